@@ -1,4 +1,4 @@
-// The occlusion backends by name.
+// Makes occlusion backends by name.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@ namespace occlod::tool {
 
 struct BackendOptions {
   std::string occlusion = "software";  // none, software, gl-query, gl-mark, gl-compute; not auto
-  std::string gl_platform;             // egl, osmesa; empty = what the machine offers
+  std::string gl_platform;             // egl, osmesa; empty: what the machine offers
 };
 
 struct Backend {
@@ -19,7 +19,7 @@ struct Backend {
   Json gl;  // platform, renderer, version, flight; null without GL
 };
 
-// Throws Error when this machine or build has no such backend.
+// Throws Error when this machine or build lacks the backend.
 [[nodiscard]] Backend make_backend(const BackendOptions& options);
 
 }  // namespace occlod::tool

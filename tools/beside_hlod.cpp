@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t max_compared = 3;
 constexpr double min_tolerance_px = 1.0 / 64, max_tolerance_px = 1024.0;
-constexpr int tolerance_steps = 12;  // halvings of the 16 octaves between them: 0.3 % in the end
+constexpr int tolerance_steps = 12;  // halvings of the 16 octaves between them, down to 0.3 %
 
 hlod::TraverseOptions options_of(hlod::Strategy strategy, double tolerance_px) {
   hlod::TraverseOptions options;
@@ -22,7 +22,7 @@ hlod::TraverseOptions options_of(hlod::Strategy strategy, double tolerance_px) {
   return options;
 }
 
-// Where occlusion is asked about, what is lost may be more than the splits leave, however fine the rest is.
+// With occlusion queries, lost pixels may cost more error than the splits have, however fine the rest is.
 bool leaves_more_error(const WayCost& way, const WayCost& splits) { return way.depth_rms_px > splits.depth_rms_px; }
 
 std::string text_of(const PaysWhere& where) {
@@ -33,7 +33,7 @@ std::string text_of(const PaysWhere& where) {
   return "does not pay";
 }
 
-// "infinite" is no number of JSON; none where the error is larger.
+// JSON has no number for "infinite". The bounds are null if the error is larger.
 Json as_hlod(const WayCost& way, const WayCost& splits) {
   const auto bound = [](double ns) { return std::isinf(ns) ? Json("infinite") : Json(ns); };
   const PaysWhere where = pays_where(way, splits);
@@ -94,7 +94,7 @@ double BesideHlod::depth_rms_px(std::span<const hlod::PlacedHlod> placed, hlod::
   for (const Compared& compared : compared_) {
     HlodMeasurement measurement(placed, options_of(strategy, tolerance_px));
     measurement.repeat(compared.view);
-    if (strategy != hlod::Strategy::vfc) measurement.repeat(compared.view);  // as the frame after another
+    if (strategy != hlod::Strategy::vfc) measurement.repeat(compared.view);  // like a frame that follows another
     const double rms_px = compared.full.distance_to(measurement.items(), measurement.objects()).depth_rms_px;
     sum += rms_px * rms_px;
   }

@@ -1,4 +1,4 @@
-// Whether an HLOD of the same scene would be the faster way to the same picture than refinement by splits.
+// Finds out whether an HLOD of the same scene would be faster than refinement by splits for the same quality.
 #pragma once
 
 #include <cstddef>
@@ -18,43 +18,42 @@
 
 namespace occlod::tool {
 
-// What one way to draw the views takes: means over all of them.
+// Holds the means over all views of what one way of drawing costs.
 struct WayCost {
   std::string name;
   double triangles = 0.0;
-  double ms = 0.0;            // to find out what to draw, on one core; what a device does is not in it
-  double draw_ms = 0.0;       // by our own rasteriser
+  double ms = 0.0;            // to find out what to draw, on one core, without the device's time
+  double draw_ms = 0.0;       // with our own rasteriser
   double depth_rms_px = 0.0;  // root mean square over the views that are compared
-  double tolerance_px = 0.0;  // of an HLOD
-  double queries = 0.0;       // of an HLOD's device
+  double tolerance_px = 0.0;  // for an HLOD
+  double queries = 0.0;       // to an HLOD's device
 
   [[nodiscard]] double triangle_ns() const { return 1e6 * draw_ms / triangles; }
 };
 
-// For which renderers a way pays: those where a triangle costs less than below_ns, or more than above_ns, to draw.
+// Tells for which renderers a way pays off: those that need less than below_ns, or more than above_ns, per triangle.
 struct PaysWhere {
-  double below_ns = 0.0;       // 0: for none of them, infinite: for all
-  double above_ns = infinity;  // infinite: for none of them
+  double below_ns = 0.0;       // 0: none, infinite: all
+  double above_ns = infinity;  // infinite: none
 
   static constexpr double infinity = std::numeric_limits<double>::infinity();
 };
-// Where `way` pays more than `other`.
+// Returns where `way` pays off more than `other`.
 [[nodiscard]] PaysWhere pays_where(const WayCost& way, const WayCost& other);
 
-// Takes views as they have been refined, then draws them by HLODs.
+// Takes views that were refined, and then draws them by HLODs.
 class BesideHlod {
  public:
-  // `objects` outlive it. `views`: how many there will be; of those, spread evenly, three are compared with the full
-  // mesh at most.
+  // `objects` must outlive it. At most three of the `views`, evenly spread, are compared with the full mesh.
   BesideHlod(const std::vector<LoadedObject>& objects, int views);
 
-  // One more view, as it has been refined.
+  // Adds a view that has been refined.
   void add(const View& view, const Measurement& measurement);
 
-  // What the refinement took.
+  // Returns the costs of refinement.
   [[nodiscard]] WayCost splits() const;
-  // What the strategy takes, with the largest tolerance that leaves no larger error than the refinement did. Without a
-  // query: vfc. The HLODs are of the same scene; the strategy needs no costs and no oracle.
+  // Returns the costs of `strategy` with the largest tolerance whose error is no larger than that of refinement. The
+  // strategy vfc makes no queries. The HLODs are of the same scene; the strategy needs no costs and no oracle.
   [[nodiscard]] WayCost hlod(std::span<const hlod::PlacedHlod> placed, hlod::Strategy strategy) const;
 
  private:
@@ -74,7 +73,7 @@ class BesideHlod {
   WayCost splits_;  // sums
 };
 
-// Draws all by `vfc` and `coh` and says what that takes, beside the splits.
+// Returns the costs of splits, and of drawing all views by `vfc` and `coh`.
 [[nodiscard]] std::vector<WayCost> costs_of_ways(const BesideHlod& beside, std::span<const hlod::PlacedHlod> placed);
 [[nodiscard]] Json to_json(const std::vector<WayCost>& ways);
 void print_ways(const std::vector<WayCost>& ways);

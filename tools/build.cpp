@@ -1,4 +1,4 @@
-// occlod build MESH -o FILE.olod
+// Implements `occlod build MESH -o FILE.olod`.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
@@ -24,7 +24,7 @@
 namespace occlod::tool {
 namespace {
 
-// Of the time of a build, roughly: collapses report how far they are, what is made of them afterwards does not.
+// Collapses take about this share of a build. They report progress; the steps after them do not.
 constexpr double collapse_share = 0.6;
 
 constexpr double largest_boundary_weight = 1e6, largest_attribute_weight = 1e6;
@@ -49,7 +49,7 @@ CleanMesh read(const Options& options, Progress& progress) {
   return read_mesh(options.input, show, options.build.threads);
 }
 
-// Whether it has made normals: where the file has none.
+// Makes normals if the file has none. Returns whether it did.
 bool crease(const Options& options, CleanMesh& input) {
   if (!options.crease || !input.mesh.normals.empty()) return false;
   input.mesh = crease_normals(input.mesh, *options.crease);

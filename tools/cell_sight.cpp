@@ -16,7 +16,7 @@ namespace {
 
 using WorldTriangle = std::array<glm::dvec3, 3>;
 
-// Ericson 2005, 5.1.5.
+// Returns the distance as in Ericson 2005, 5.1.5.
 double distance_to(const WorldTriangle& t, const glm::dvec3& p) {
   const glm::dvec3 &a = t[0], &b = t[1], &c = t[2], ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
   const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap), d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp),
@@ -40,7 +40,7 @@ double distance_to(const WorldTriangle& t, const glm::dvec3& p) {
   return glm::distance(nearest, p);
 }
 
-// Buckets of a grid that hold the triangles whose boxes touch them.
+// Holds, in each bucket of a grid, the triangles whose boxes touch it.
 class TriangleGrid {
  public:
   explicit TriangleGrid(std::vector<WorldTriangle> triangles) : triangles_(std::move(triangles)) {
@@ -91,7 +91,7 @@ WorldTriangle world_triangle(const RefineObject& object, const Triangle& t) {
   return result;
 }
 
-// Faces that stand for what is seen: to draw, or turned away from all of the cell.
+// Returns the faces that may stand for what is seen: drawn ones, and those turned away from the whole cell.
 std::vector<WorldTriangle> standing_faces(const CellBox& cell, std::span<const RefineObject> objects,
                                           const CellOptions& options, std::span<const CellObjectCut> cut) {
   std::vector<WorldTriangle> result;
@@ -123,7 +123,7 @@ std::vector<glm::dvec3> eyes_of(const CellBox& cell, const CellEyes& chosen) {
   return eyes;
 }
 
-// The faces of a cube around the eye.
+// Returns a camera for a face of the cube around the eye.
 Camera face_camera(const glm::dvec3& eye, int face, int image_size, double near) {
   glm::dvec3 direction(0.0), up(0.0);
   direction[face / 2] = face % 2 == 0 ? 1.0 : -1.0;
@@ -139,12 +139,12 @@ Camera face_camera(const glm::dvec3& eye, int face, int image_size, double near)
   return camera;
 }
 
-// Draws all objects and says whose triangles are seen.
+// Draws all objects and tells whose triangles are seen.
 class SceneItems {
  public:
   explicit SceneItems(std::span<const RefineObject> objects) : objects_(objects) {}
 
-  // `triangles`(i): of object i.
+  // `triangles`(i) returns those of object i.
   template <typename Triangles>
   void draw(const View& view, const Triangles& triangles) {
     items_.reset(view.width(), view.height());
@@ -157,13 +157,13 @@ class SceneItems {
       first += static_cast<std::uint32_t>(triangles(i).size());
     }
   }
-  // By pixel, rows from the top.
+  // Returns the item of each pixel, rows from the top.
   [[nodiscard]] const std::vector<std::uint32_t>& items() const { return items_.items; }
   [[nodiscard]] std::size_t object_of(std::uint32_t item) const {
     return static_cast<std::size_t>(std::upper_bound(first_item_.begin() + 1, first_item_.end(), item) -
                                     first_item_.begin() - 1);
   }
-  // Which of its object's triangles it is.
+  // Returns which of its object's triangles an item is.
   [[nodiscard]] std::size_t triangle_of(std::uint32_t item) const { return item - first_item_[object_of(item)]; }
 
  private:
@@ -173,10 +173,10 @@ class SceneItems {
 };
 
 enum class Seen { front, back, unclear };
-// What a pixel shows.
+// Describes what a pixel shows.
 struct SeenPoint {
   Seen what = Seen::unclear;
-  glm::dvec3 place{0.0}, ray{0.0};  // and the direction from the eye, unit length
+  glm::dvec3 place{0.0}, ray{0.0};  // `ray`: direction from the eye, unit length
   double distance = 0.0;
 };
 
@@ -190,11 +190,11 @@ SeenPoint seen_point(const FullScene::Item& item, std::span<const RefineObject> 
   const glm::dvec3 eye = view.camera().eye, ray = glm::normalize(glm::dvec3(far) / far.w - eye);
   const glm::dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
   const double towards = glm::dot(normal, ray), mirror = glm::determinant(glm::dmat3(object.object_to_world));
-  if (std::abs(towards) < 1e-4 * glm::length(normal)) return {};  // edge-on: too close to call
+  if (std::abs(towards) < 1e-4 * glm::length(normal)) return {};  // edge-on, too close to decide
   if (!object.two_sided && (towards > 0.0) == (mirror > 0.0)) return {Seen::back};
   const double distance = glm::dot(normal, t[0] - eye) / towards;
   const glm::dvec3 seen = eye + distance * ray;
-  if (distance_to(t, seen) > 1e-6 * distance) return {};  // the pixel is the triangle's by rounding only
+  if (distance_to(t, seen) > 1e-6 * distance) return {};  // the pixel is the triangle's only by rounding
   return {Seen::front, seen, ray, distance};
 }
 
@@ -229,7 +229,7 @@ class Looking {
     sight_.backs += point.what == Seen::back ? 1U : 0U;
     if (point.what != Seen::front) return;
     ++sight_.pixels;
-    // What the promise allows there, and a hundredth for the change of scale on the way.
+    // This is what the promise allows there, plus a hundredth for the change of scale on the way.
     const double cos_angle = std::max(glm::dot(point.ray, view.direction()), options_.eyes.cos_corner_angle);
     const double allowed =
         1.01 * options_.tolerance_px * point.distance * cos_angle * cos_angle / options_.eyes.focal_length_px;
@@ -237,7 +237,7 @@ class Looking {
         is_drawn_there(view, x, y, point.place, allowed) || standing_.any_within(point.place, allowed) ? 0U : 1U;
   }
 
-  // Whether what is drawn at the same pixel is near enough, which it mostly is: found sooner than by searching.
+  // Returns whether what is drawn at the same pixel is near enough. Mostly it is, which saves the search.
   bool is_drawn_there(const View& view, int x, int y, const glm::dvec3& seen, double allowed) const {
     const std::uint32_t item = drawn_.items()[pixel_at(view, x, y)];
     if (item == no_item) return false;

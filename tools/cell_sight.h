@@ -1,4 +1,4 @@
-// Whether what is drawn for a cell of space shows all that its eyes see, looked at from many of them.
+// Checks by sampling whether what is drawn for a cell of space shows all that its eyes see.
 #pragma once
 
 #include <cstddef>
@@ -11,39 +11,37 @@
 
 namespace occlod::tool {
 
-// Pixels of square images to all six sides of some eyes.
+// Counts pixels of square images to all six sides of some eyes.
 struct CellSight {
-  std::size_t pixels = 0;   // that show the front of the input, or either side of a two-sided object
-  std::size_t backs = 0;    // that show other backs: they break the condition, and nothing is said about them
-  std::size_t missing = 0;  // of `pixels`: no face that is drawn, or that turns away from all of the cell, is within
-                            // the tolerance of what they show
+  std::size_t pixels = 0;  // show the front of the input, or either side of a two-sided object
+  std::size_t backs = 0;   // show other backs: they break the condition, and are not checked
+  // Counts those of `pixels` with no face within the tolerance that is drawn or turned away from the whole cell.
+  std::size_t missing = 0;
 };
 
-// Which eyes of a cell look: its corners, its middle, and some more of it.
+// Chooses eyes of a cell: its corners, its middle, and random ones.
 struct CellEyes {
-  int random = 0;          // so many more
-  int image_size = 256;    // pixels along each side; the focal length of options decides how large a pixel of the
-                           // tolerance is
-  std::uint64_t seed = 1;  // of the random ones
+  int random = 0;          // number of random eyes
+  int image_size = 256;    // pixels along each side; the options' focal length sets the size of a pixel
+  std::uint64_t seed = 1;  // of the random eyes
 };
 
-// Compares with the full scene, which is made of the same objects and outlives the call. A pixel beyond the corners of
-// the images that the options are for counts as if it were in such a corner.
+// Compares the cut with the full scene, which consists of the same objects. A pixel beyond the corners of the images
+// that the options assume counts as if it were in such a corner.
 [[nodiscard]] CellSight look_from(const CellBox& cell, const FullScene& scene, std::span<const RefineObject> objects,
                                   const CellOptions& options, std::span<const CellObjectCut> cut, const CellEyes& eyes);
 
-// Triangles of those to draw that own a pixel of any such eye: fewer would do only where nothing is seen between eyes
-// and pixels.
+// Returns the number of drawn triangles that own a pixel of any such eye. Fewer would do only if nothing were seen
+// between eyes and between pixels.
 [[nodiscard]] std::size_t count_seen(const CellBox& cell, std::span<const RefineObject> objects, double near,
                                      std::span<const CellObjectCut> cut, const CellEyes& eyes);
 
-// What such eyes see of the input: by triangle of the scene, as numbered there, pixels of the kind that
-// CellSight::pixels counts.
+// Returns, per triangle of the scene, the pixels of the kind of CellSight::pixels that such eyes see of it.
 [[nodiscard]] std::vector<std::uint32_t> count_pixels(const CellBox& cell, const FullScene& scene,
                                                       std::span<const RefineObject> objects, double near,
                                                       const CellEyes& eyes);
 
-// That sees a quarter of a turn, of so many pixels along each side.
+// Returns an eye with a field of view of 90 degrees and images of `image_size` pixels along each side.
 [[nodiscard]] EyeModel cube_eyes(double image_size, double near);
 
 }  // namespace occlod::tool

@@ -50,7 +50,7 @@ CellWalk::CellWalk(std::shared_ptr<const VlodFile> file, std::span<const RefineO
   walker_.emplace(file_, objects, walk);
   loader_.emplace(*walker_);
   takes_time_ = options.disk.has_value();
-  disk_clock_ = 0.0;  // what the walker has read to begin with was before the walk
+  disk_clock_ = 0.0;  // the walker's first reads came before the walk
 }
 
 void CellWalk::run_loads() {

@@ -1,4 +1,4 @@
-// A walk through view cells along a camera path, frame by frame, with a disk that is simulated.
+// Walks through view cells along a camera path, frame by frame, with a simulated disk.
 #pragma once
 
 #include <cstddef>
@@ -26,47 +26,47 @@ inline constexpr double walk_frame_seconds = 1.0 / 60.0;  // from one frame of a
 struct CellWalkOptions {
   std::size_t memory = WalkOptions().memory;
   bool prefetch = true;
-  // Loads take what this disk takes and the processor time that they need, of time that passes from frame to frame.
-  // None: a disk that takes no time.
+  // Loads take the time of this disk plus their processor time, while time passes from frame to frame. Without a value
+  // the disk takes no time.
   std::optional<DiskSpeed> disk;
   std::function<void(const std::string& line)> note = {};
 };
 
-// What a frame took and shows. Times are of this thread's processor, but for drawing.
+// Describes what a frame cost and shows. Times are processor times of this thread, except for drawing.
 struct CellWalkFrame {
   Camera camera;
   WalkedFrame walked;              // without objects
-  std::size_t view_triangles = 0;  // drawn: of the cell, in blocks that may be in the frustum
+  std::size_t view_triangles = 0;  // drawn, of the cell, in blocks that may be in the frustum
   double step_ms = 0.0;            // CellWalker::step()
   double cull_ms = 0.0;            // ranges_in_view()
   double draw_ms = 0.0;            // draw_items(), wall time
-  double load_ms = 0.0;            // of loads that ended since the frame before
+  double load_ms = 0.0;            // of loads that ended since the previous frame
   std::uint64_t hash = 0;          // hash_of() what is drawn for the cell
 };
 
-// Of the triangles that are drawn, whatever their order: the sum, modulo 2^64, over all of h ^ h >> 32, where h begins
-// with 14695981039346656037 + the number of the object, and for each bit pattern of the nine coordinates becomes
-// (h ^ bits) * 1099511628211.
+// Returns a hash of the drawn triangles, whatever their order: the sum, modulo 2^64, of h ^ h >> 32 over all triangles,
+// where h starts as 14695981039346656037 + the number of the object, and becomes (h ^ bits) * 1099511628211 for each
+// bit pattern of the nine coordinates.
 [[nodiscard]] std::uint64_t hash_of(const WalkedFrame& frame);
 
 class CellWalk {
  public:
-  // Objects and file outlive it. No objects: through a packed file.
+  // Objects and file must outlive it. Without objects the file must be packed.
   CellWalk(std::shared_ptr<const VlodFile> file, std::span<const RefineObject> objects, const CellWalkOptions& options);
 
-  // Goes on by one frame: step, cull, draw; then loads run for as long as a frame lasts.
+  // Advances by one frame: step, cull, draw; then loads run for the duration of a frame.
   const CellWalkFrame& go_to(const Camera& camera);
-  // The same without drawing.
+  // Advances by one frame without drawing.
   const WalkedFrame& step_to(const Camera& camera);
-  // Frames without drawing that last for so many seconds.
+  // Runs frames without drawing for this many seconds.
   void stand(const Camera& camera, double seconds);
 
-  // What the last frame or step gave, with its objects; valid until the next one.
+  // Returns what the last frame or step gave, with its objects; valid until the next one.
   [[nodiscard]] const WalkedFrame& walked() const { return *walked_; }
-  // What the last frame has drawn.
+  // Returns what the last frame drew.
   [[nodiscard]] const ItemBuffer& items() const { return items_; }
   [[nodiscard]] std::span<const DrawObject> drawn() const { return drawn_; }
-  // And of which objects: one for each of drawn().
+  // Returns the range of an object for each entry of drawn().
   [[nodiscard]] std::span<const DrawRange> ranges() const { return ranges_; }
 
  private:
@@ -74,8 +74,8 @@ class CellWalk {
 
   std::shared_ptr<const VlodFile> file_;
   std::vector<RefineObject> objects_;
-  bool takes_time_ = false;              // loading
-  double disk_clock_ = 0.0, now_ = 0.0;  // seconds: when the disk is done with what it does, and of the walk
+  bool takes_time_ = false;              // whether loading does
+  double disk_clock_ = 0.0, now_ = 0.0;  // seconds: when the disk becomes idle, and the time of the walk
   double load_ms_ = 0.0;                 // since the last frame
   bool under_way_ = false;
   std::optional<CellWalker> walker_;
@@ -88,7 +88,7 @@ class CellWalk {
   const WalkedFrame* walked_ = nullptr;  // the walker's
 };
 
-// How far a picture is from that of the full mesh, which it draws itself.
+// Compares pictures with those of the full mesh, which it draws itself.
 class WalkReference {
  public:
   explicit WalkReference(std::span<const RefineObject> objects) : full_(objects) {}
@@ -98,7 +98,7 @@ class WalkReference {
     double depth_rms_px = 0.0;       // see PictureDistance
   };
   void set_view(const View& view);
-  // `allowed_px`: how far anything may be.
+  // `allowed_px` is the error that is allowed everywhere.
   [[nodiscard]] Distance compare(const View& view, const DepthBuffer& depth, double allowed_px) const;
   [[nodiscard]] const FullScene& full() const { return full_; }
 

@@ -1,4 +1,4 @@
-// occlod cells build|merge|pack|info|check|walk: what they share.
+// Implements what `occlod cells build|merge|pack|info|check|walk` share.
 #include "cells.h"
 
 #include <CLI/CLI.hpp>
@@ -36,7 +36,7 @@ Json options_to_json(const CellTreeOptions& options) {
           {"regions", regions}};
 }
 
-// What the leaves draw.
+// Describes what the leaves draw.
 Json cells_to_json(const VlodFile& file) {
   const CellTree& tree = file.tree();
   const double most = static_cast<double>(file.options().max_triangles);
@@ -69,8 +69,8 @@ Json cells_to_json(const VlodFile& file) {
 }
 
 struct PathBytes {
-  double teleport_max = 0.0;   // to read all of a path
-  double crossing_mean = 0.0;  // to go from a cell to a neighbour
+  double teleport_max = 0.0;   // to read a whole path
+  double crossing_mean = 0.0;  // to move from a cell to a neighbour
   double crossing_max = 0.0;
 };
 

@@ -1,4 +1,4 @@
-// What the subcommands of `occlod cells` share.
+// Declares what the subcommands of `occlod cells` share.
 #pragma once
 
 #include <filesystem>
@@ -25,23 +25,23 @@ void add_cells_merge(CLI::App& cells);
 void add_cells_pack(CLI::App& cells);
 void add_cells_walk(CLI::App& cells);
 
-// The objects of a scene, or of a file of one object, ready for cells.
+// Holds the objects of a scene, or of a file of one object, ready to build cells of.
 struct CellScene {
   std::vector<LoadedObject> loaded;
   std::vector<RefineObject> objects;  // point into `loaded`
-  std::vector<std::string> names;     // by object, for people
+  std::vector<std::string> names;     // per object, for people
 };
-// Shows progress and notes on standard error. Throws Error.
+// Reads the scene or file. Shows progress and notes on standard error. Throws Error.
 [[nodiscard]] CellScene load_cell_scene(const SceneDescription& scene, const std::filesystem::path& file,
                                         bool use_cache);
 
-// Of different hierarchies.
+// Counts each hierarchy once.
 [[nodiscard]] std::size_t hierarchy_bytes(std::span<const RefineObject> objects);
 
-// Numbers of the form "1,2.5,-3": so many, finite. Nothing for anything else.
+// Parses `count` finite numbers of the form "1,2.5,-3". Returns nothing for other text.
 [[nodiscard]] std::optional<std::vector<double>> numbers_in(const std::string& text, std::size_t count);
 
-// What a file holds: options, cells, what they draw, bytes.
+// Returns what a file holds: options, cells, what they draw, bytes.
 [[nodiscard]] Json to_json(const VlodFile& file);
 
 }  // namespace occlod::tool

@@ -1,4 +1,4 @@
-// occlod cells build SCENE -o FILE.vlod
+// Implements `occlod cells build SCENE -o FILE.vlod`.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -29,7 +29,7 @@ namespace {
 constexpr double min_length = 1e-6, max_length = 1e12;  // world units
 constexpr double min_px = 1e-6;
 constexpr std::uint64_t max_drawn = 1'000'000'000'000, max_shards = 1'000'000;
-constexpr std::uint32_t roots_in_part = 16;  // of files in --work: what is lost when a build is ended
+constexpr std::uint32_t roots_in_part = 16;  // per file in --work, which bounds the loss when a build stops
 
 struct Shard {
   std::uint32_t index = 0;  // from 0
@@ -39,7 +39,7 @@ struct Shard {
 struct Options {
   std::filesystem::path file, output, work;
   CellTreeOptions tree;
-  std::vector<CellBox> regions;  // instead of the scene's
+  std::vector<CellBox> regions;  // replace the scene's
   std::optional<double> root_cell, smallest_cell;
   std::optional<std::uint64_t> max_triangles;
   std::optional<Shard> shard;
@@ -88,7 +88,7 @@ EyeModel parse_eyes(const std::string& text) {
   return eye_model(View(camera));
 }
 
-// What is given on the command line, then what the scene says, then the defaults.
+// The command line takes precedence over the scene, and the scene over the defaults.
 CellTreeOptions chosen_options(const Options& options, const SceneDescription& scene) {
   CellTreeOptions chosen = options.tree;
   const SceneCells in_scene = scene.cells.value_or(SceneCells{});
@@ -117,7 +117,7 @@ void check(const Options& options, const SceneDescription& scene) {
   if (!options.output.empty()) files.add_output("--output", options.output);
 }
 
-// Builds and writes, and counts what it did.
+// Builds and writes, and counts the work.
 class Building {
  public:
   Building(const Options& options, const CellScene& scene, const CellTreeOptions& tree)
@@ -128,7 +128,7 @@ class Building {
     write_interruptibly(options_.output.string(), 0, progress_, [&] { build_.write(options_.output, run); });
   }
 
-  // All parts of the shard, or of everything. Returns their files.
+  // Writes all parts of the shard, or of everything, and returns their files.
   std::vector<std::filesystem::path> write_parts() {
     std::error_code error;
     std::filesystem::create_directories(options_.work, error);
@@ -167,11 +167,11 @@ class Building {
   void clear() { progress_.clear(); }
 
  private:
-  // `done` of `all` root cells are done already.
+  // `done` of `all` root cells are already done.
   CellBuildRun run_of(const std::string& what, std::uint32_t done, std::uint32_t all) {
     const std::uint32_t here = options_.work.empty() ? all : std::min(roots_in_part, all - done);
     return {options_.threads, [this, what, done, all, here](double share) {
-              // Once a file has been begun signals are only noted.
+              // Once a file was begun, signals are only recorded.
               if (has_written_) note_interrupts();
               progress_.show(what, (done + share * here) / all);
               return true;

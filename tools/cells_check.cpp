@@ -1,4 +1,4 @@
-// occlod cells check FILE.vlod SCENE
+// Implements `occlod cells check FILE.vlod SCENE`.
 #include <fmt/format.h>
 #include <xxhash.h>
 
@@ -35,7 +35,7 @@ struct Options {
   bool json = false;
 };
 
-// Evenly random, each once, ascending; all where there are no more.
+// Samples distinct leaves at random, ascending; all leaves if there are no more.
 std::vector<CellId> sample(const CellTree& tree, std::uint64_t count, std::uint64_t seed) {
   std::vector<CellId> leaves;
   for (CellId n = 0; n < tree.nodes().size(); ++n)
@@ -71,7 +71,7 @@ Json to_json(const Row& row) {
           {"unexplained", row.sight.missing}};
 }
 
-// Rows of some cells, in their order whichever thread is done first.
+// Prints rows for cells in their order, whichever thread is done first.
 class Rows {
  public:
   Rows(std::size_t count, bool print) : rows_(count), print_(print) {}
@@ -81,7 +81,7 @@ class Rows {
     rows_[i] = row;
     for (; print_ && printed_ < rows_.size() && rows_[printed_]; ++printed_) print_row(*rows_[printed_]);
   }
-  // Cells are begun in order and none is given up, so of all that fail the first is the same for any number of threads.
+  // Cells are begun in order and none is abandoned, so the first that fails is the same for any number of threads.
   void fail(std::size_t i) {
     const std::scoped_lock lock(mutex_);
     if (failed_ && *failed_ < i) return;
@@ -145,7 +145,7 @@ CellSight sum_of(const std::vector<Row>& rows) {
 
 void run(const Options& options) {
   const SceneDescription description = describe_file(options.scene);
-  static_cast<void>(open_vlod(options.file));  // before the scene, which takes longer
+  static_cast<void>(open_vlod(options.file));  // first, because the scene takes longer
   const CellScene scene = load_cell_scene(description, options.scene, options.use_cache);
   const auto file = open_vlod(options.file, scene.objects, scene.names);
   const Stopwatch stopwatch;

@@ -1,4 +1,4 @@
-// occlod cells info FILE.vlod
+// Implements `occlod cells info FILE.vlod`.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -24,7 +24,7 @@ struct Options {
   bool json = false;
 };
 
-// Reads all nodes below `cell`; `path`: what those above it add.
+// Reads all nodes below `cell`. `path` holds what those above it add.
 void check_below(const VlodFile& file, CellId cell, std::vector<const CellAdditions*>& path) {
   const CellAdditions additions = file.read(cell, path);
   path.push_back(&additions);
@@ -33,7 +33,7 @@ void check_below(const VlodFile& file, CellId cell, std::vector<const CellAdditi
   path.pop_back();
 }
 
-// Of a packed file the geometry of all cells.
+// Reads the geometry of all cells of a packed file.
 void check_geometry(const VlodFile& file) {
   for (CellId n = 0; n < file.tree().nodes().size(); ++n)
     if (file.tree().is_leaf(n)) static_cast<void>(read_cell(file, n));
@@ -63,7 +63,7 @@ void choose_cell(Options& options, const std::string& text) {
                               max_elements));
 }
 
-// What is to be drawn in a cell, or shared by all below a node.
+// Describes what is drawn in a cell, or shared by all cells below a node.
 Json cell_to_json(const VlodFile& file, CellId cell) {
   const CellTree& tree = file.tree();
   const CellNode& node = tree.node(cell);

@@ -1,4 +1,4 @@
-// occlod cells merge DIR -o FILE.vlod
+// Implements `occlod cells merge DIR -o FILE.vlod`.
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>

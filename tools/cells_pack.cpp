@@ -1,4 +1,4 @@
-// occlod cells pack FILE.vlod SCENE -o PACKED.vlod
+// Implements `occlod cells pack FILE.vlod SCENE -o PACKED.vlod`.
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
@@ -34,7 +34,7 @@ void run(const Options& options) {
   input.file = options.scene;
   for (const std::filesystem::path& mesh : mesh_files(input, description)) files.add_input("a mesh of the scene", mesh);
   files.add_output("--output", options.output);
-  static_cast<void>(open_vlod(options.file));  // before the scene, which takes longer
+  static_cast<void>(open_vlod(options.file));  // first, because the scene takes longer
   const CellScene scene = load_cell_scene(description, options.scene, options.use_cache);
   const auto file = open_vlod(options.file, scene.objects, scene.names);
   Progress progress(options.progress);

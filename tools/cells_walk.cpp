@@ -1,4 +1,4 @@
-// occlod cells walk FILE.vlod SCENE --path NAME
+// Implements `occlod cells walk FILE.vlod SCENE --path NAME`.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -28,7 +28,7 @@
 namespace occlod::tool {
 namespace {
 
-constexpr std::size_t most_refined = 1'000'000;  // triangles by refinement, where the tolerance needs more
+constexpr std::size_t most_refined = 1'000'000;  // maximum for refinement, even if the tolerance needs more
 constexpr std::uint64_t max_every = 1'000'000;
 
 struct Options {
@@ -49,7 +49,7 @@ class Comparison {
     options_.tolerance_px = tolerance_px;
   }
 
-  // So that the next one has a frame before it.
+  // Refines this frame, so that the next one can follow it.
   void follow(const View& view) { static_cast<void>(refiner_.update(view, options_, *visibility_)); }
 
   [[nodiscard]] Json compare(const View& view, const ItemBuffer& items, double error_px) {
@@ -176,7 +176,7 @@ CameraPath walked_path(const Options& options, const SceneDescription& scene) {
   return path;
 }
 
-// By object: where names of images start.
+// Returns, per object, where names of images start.
 std::vector<std::filesystem::path> mesh_folders(const SceneDescription& scene, const std::filesystem::path& file) {
   std::vector<std::filesystem::path> folders;
   for (const SceneObject& object : scene.objects) {
@@ -196,7 +196,7 @@ void run(Options options) {
   files.add_input("the scene", options.scene);
   if (!options.png.empty()) files.add_output("--png", options.png);
   const CameraPath path = walked_path(options, description);
-  auto file = open_vlod(options.file);  // before the scene, which takes longer
+  auto file = open_vlod(options.file);  // first, because the scene takes longer
   CellScene scene;
   if (!file->is_packed() || options.reference) {
     scene = load_cell_scene(description, options.scene, options.use_cache);

@@ -17,9 +17,9 @@
 namespace occlod::tool {
 namespace {
 
-constexpr std::uint64_t max_pixels = 16'384;  // of an image, in each direction
+constexpr std::uint64_t max_pixels = 16'384;  // along each side of an image
 
-// What has this name among the cameras or paths of a scene.
+// Returns the camera or path of this name in a scene.
 template <typename Named>
 const Named& find_named(const std::map<std::string, Named>& all, const std::string& name, const char* place,
                         const SceneDescription& scene) {

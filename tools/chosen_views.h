@@ -1,4 +1,4 @@
-// The camera or the camera path that a command is asked for.
+// Chooses the camera or the camera path that a command is asked for.
 #pragma once
 
 #include <optional>
@@ -21,25 +21,25 @@ struct ImageSize {
 
 struct ViewOptions {
   std::string camera = "default";
-  std::string path;               // instead of the camera
-  std::optional<ImageSize> size;  // instead of the camera's own
-  bool orthographic = false;      // instead of the camera's perspective, or of that of every key of a path
+  std::string path;               // replaces the camera
+  std::optional<ImageSize> size;  // replaces the camera's own
+  bool orthographic = false;      // replaces the perspective of the camera, or of all keys of a path
 };
 
-// "640x480"; nothing for anything else.
+// Parses "640x480". Returns nothing for other text.
 [[nodiscard]] std::optional<ImageSize> parse_size(const std::string& text);
 
-// --size.
+// Adds --size.
 void add_size_option(CLI::App& command, ViewOptions& options);
-// The same and --orthographic.
+// Adds --size and --orthographic.
 void add_size_options(CLI::App& command, ViewOptions& options);
 
-// Of a scene file, as the options change them. Throw Error for a name that it does not have.
+// These return a camera or path of a scene file, changed as the options say. They throw Error for an unknown name.
 [[nodiscard]] Camera chosen_camera(const SceneDescription& scene, const ViewOptions& options);
 [[nodiscard]] CameraPath chosen_path(const SceneDescription& scene, const ViewOptions& options);
 
-// For what comes without cameras: looks at the sphere around the box, from a little above and to the right, as near as
-// shows all of it.
+// Returns a camera for objects without one: it looks at the sphere around the box from a little above and to the right,
+// as near as shows the whole sphere.
 [[nodiscard]] Camera camera_that_sees(const WorldBox& box, const ViewOptions& options);
 
 }  // namespace occlod::tool

@@ -1,4 +1,4 @@
-// The files of one command, checked before it does any work.
+// Checks the files of one command before it does any work.
 #pragma once
 
 #include <filesystem>
@@ -7,14 +7,14 @@
 
 namespace occlod::tool {
 
-// Nothing that is read may be overwritten, and nothing written twice, whatever the files are called: links are
-// followed. Add what is read first.
+// Makes sure that no input is overwritten and no output written twice, under whatever names: links are followed. Add
+// inputs first.
 class CommandFiles {
  public:
-  // `what`: for messages, e.g. "the mesh". The file need not exist.
+  // `what` names the file in messages, e.g. "the mesh". The file need not exist.
   void add_input(const std::string& what, const std::filesystem::path& path);
-  // Throws CLI::ValidationError, which is wrong use, for a file that is read or written already; otherwise Error when
-  // it could not be written.
+  // Throws CLI::ValidationError, for wrong use, when the file is already an input or output, and Error when it cannot
+  // be written.
   void add_output(const std::string& option, const std::filesystem::path& path);
   void add_mesh_output(const std::string& option, const std::filesystem::path& path);
 

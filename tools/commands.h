@@ -1,5 +1,5 @@
-// The subcommands. Each adds itself to the command line and does its work when it is chosen, throwing Error when that
-// fails.
+// Declares the subcommands. Each function adds one to the command line; the command works when it is chosen, and throws
+// Error when it fails.
 #pragma once
 
 namespace CLI {
@@ -9,8 +9,8 @@ class App;
 namespace occlod::tool {
 
 void add_build(CLI::App& app);
-void add_cells(CLI::App& app);    // with subcommands of its own, as hlod
-void add_compare(CLI::App& app);  // where OCCLOD_HAS_CGAL is defined, as repair
+void add_cells(CLI::App& app);    // has subcommands, like hlod
+void add_compare(CLI::App& app);  // only where OCCLOD_HAS_CGAL is defined, like repair
 void add_cut(CLI::App& app);
 void add_generate(CLI::App& app);
 void add_hlod(CLI::App& app);

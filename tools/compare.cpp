@@ -1,4 +1,4 @@
-// occlod compare A B
+// Implements `occlod compare A B`.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -26,7 +26,7 @@ using measure::OneWayDistance;
 using measure::SurfaceDistance;
 using measure::TextureSlip;
 
-constexpr std::uint64_t max_samples = 1'000'000'000;  // an hour or so
+constexpr std::uint64_t max_samples = 1'000'000'000;  // about an hour
 
 struct Options {
   std::string a;
@@ -35,7 +35,7 @@ struct Options {
   bool json = false;
 };
 
-// A mesh, or a hierarchy with all of its splits applied.
+// Reads a mesh, or a hierarchy with all of its splits applied.
 TriangleMesh read_surface(const std::filesystem::path& file) {
   if (file.extension() != ".olod") return read_mesh(file).mesh;
   const Hierarchy hierarchy = read_olod(file).hierarchy;
@@ -107,7 +107,7 @@ void print_table(const Json& report) {
   print_difference("colors", "colors", 100.0, "% of full brightness");
 }
 
-// Of A's samples.
+// Measures attributes at A's samples.
 AttributeDistance attributes_between(const TriangleMesh& a, const TriangleMesh& b, const Options& options) {
   const bool have_some = (!a.texture_coordinates.empty() && !b.texture_coordinates.empty()) ||
                          (!a.normals.empty() && !b.normals.empty()) || (!a.colors.empty() && !b.colors.empty());

@@ -1,4 +1,4 @@
-// occlod cut FILE.olod (--triangles N | --error E) -o MESH
+// Implements `occlod cut FILE.olod (--triangles N | --error E) -o MESH`.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

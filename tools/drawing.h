@@ -1,4 +1,4 @@
-// From loaded objects to what is refined and what is drawn.
+// Converts loaded objects to those that are refined and drawn.
 #pragma once
 
 #include <span>
@@ -15,16 +15,16 @@ namespace occlod::tool {
 
 [[nodiscard]] std::vector<RefineObject> refine_objects(const std::vector<LoadedObject>& objects);
 
-// Points to them.
+// The result points to the HLODs.
 [[nodiscard]] std::vector<hlod::PlacedHlod> placed_objects(const std::vector<LoadedHlod>& hlods);
 
-// Both point into their arguments.
+// The results point into the arguments.
 [[nodiscard]] DrawObject draw_object(const LoadedObject& object, std::span<const Triangle> triangles);
 [[nodiscard]] std::vector<DrawObject> draw_objects(const std::vector<LoadedObject>& objects,
                                                    const Refinement& refinement);
 
-// Where each object's corners lie on textures, without images: one for each object; empty when no object has texture
-// coordinates. They point into the hierarchies.
+// Returns where each object's corners lie on textures, without images: one entry per object, or none when no object has
+// texture coordinates. They point into the hierarchies.
 [[nodiscard]] std::vector<ObjectTexture> texture_coordinates(const std::vector<LoadedObject>& objects);
 
 // Empties the buffer and draws all objects.

@@ -1,4 +1,4 @@
-// Why `--occlusion auto` did what it did.
+// Explains what `--occlusion auto` did.
 #pragma once
 
 #include <string>
@@ -11,10 +11,10 @@
 
 namespace occlod::tool {
 
-// Of the last view: the choice, its forecasts, what was seen to be hidden, and every object's effects.
+// Returns, for the last view, the choice, its forecasts, what was seen to be hidden, and every object's effects.
 [[nodiscard]] Json to_json(const AutoRefiner& refiner);
 
-// The same for people: per effect and object whether it was on, what it cost and what it saved.
+// Prints this for people: per effect and object, whether it was on, what it cost and what it saved.
 void print_explanation(const AutoRefiner& refiner, const RefineStats& stats, const std::vector<LoadedObject>& objects);
 
 }  // namespace occlod::tool

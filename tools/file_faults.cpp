@@ -12,17 +12,17 @@
 namespace occlod::tool {
 namespace {
 
-// All that the handler calls is allowed there (signal-safety(7)): no memory is asked for, nothing throws.
+// The handler calls only what signal-safety(7) allows: nothing allocates or throws.
 
 std::array<char, 64> name_of_program;
 std::size_t name_size = 0;
 
-// Lines of a file; what does not fit is left out.
+// Reads the lines of a file; the ends of long ones are dropped.
 class Lines {
  public:
   explicit Lines(const char* path) : fd_(open(path, O_RDONLY | O_CLOEXEC)) {}
 
-  // Empty at the end. Valid until the next call.
+  // Returns the next line, valid until the next call; empty at the end.
   std::string_view next() {
     std::size_t size = 0;
     for (char c = 0; read_char(c) && c != '\n';)
@@ -47,8 +47,8 @@ class Lines {
   std::size_t at_ = 0, size_ = 0;
 };
 
-// Of the mapping that holds the address: "7f00-7f10 r--s 00000000 08:01 42      /folder/file", proc(5). Empty when
-// there is none, or it is no file's.
+// Returns the file of the mapping that holds the address: "7f00-7f10 r--s 00000000 08:01 42      /folder/file",
+// proc(5). Empty if there is no mapping, or it is not a file's.
 std::string_view mapped_file_at(Lines& lines, std::uintptr_t address) {
   for (std::string_view line = lines.next(); !line.empty(); line = lines.next()) {
     std::uintptr_t begin = 0, end = 0;
@@ -68,7 +68,7 @@ void say(std::string_view text) { static_cast<void>(!write(STDERR_FILENO, text.d
 extern "C" void on_bus_error(int number, siginfo_t* info, void* /*context*/) {
   Lines maps("/proc/self/maps");
   const std::string_view file = mapped_file_at(maps, reinterpret_cast<std::uintptr_t>(info->si_addr));
-  if (file.empty()) {  // the default, as soon as the handler returns to the same instruction
+  if (file.empty()) {  // the default applies when the handler returns to the same instruction
     std::signal(number, SIG_DFL);
     return;
   }

@@ -34,13 +34,13 @@ constexpr std::size_t part_bytes = std::size_t{1} << 16;
 
 std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
 
-// Without a port.
+// Ignores the port.
 bool is_this_machine(std::string_view host) {
   host = host.substr(0, host.find(':'));
   return host == "127.0.0.1" || host == "localhost";
 }
 
-// Of a file or of text: what is sent, part by part.
+// Holds a file or text that is sent part by part.
 class Answer {
  public:
   http::response<http::buffer_body> response;
@@ -55,7 +55,7 @@ class Answer {
   }
   [[nodiscard]] std::uint64_t size() const { return range_.size; }
   void narrow(const ByteRange& range) { range_ = range; }
-  // Sets the body to the next part; the last is empty. Throws std::system_error when a file has been cut short.
+  // Sets the body to the next part; the last is empty. Throws std::system_error when a file was truncated.
   void next_part() {
     const std::size_t size = static_cast<std::size_t>(std::min<std::uint64_t>(part_bytes, range_.size));
     if (file_ != nullptr)
@@ -77,7 +77,7 @@ class Answer {
 
 class Server;
 
-// One connection. Lives as long as something is awaited from it.
+// Handles one connection. Lives as long as an operation on it is pending.
 class Session : public std::enable_shared_from_this<Session> {
  public:
   Session(Server& server, Tcp::socket socket) : server_(server), stream_(std::move(socket)) {}
@@ -150,7 +150,7 @@ class Server {
     });
   }
 
-  // Out of file descriptors, for example.
+  // Waits, for example when file descriptors are exhausted.
   void wait() {
     timer_.expires_after(std::chrono::milliseconds(100));
     timer_.async_wait([this](const ErrorCode& error) {
@@ -161,8 +161,8 @@ class Server {
   const ServerOptions& options_;
   std::size_t sessions_ = 0;
   bool is_accepting_ = false;
-  bool is_ending_ = false;       // sessions that are still there end with the context
-  asio::io_context context_{1};  // ends before what its handlers use
+  bool is_ending_ = false;       // remaining sessions end with the context
+  asio::io_context context_{1};  // destroyed before what its handlers use
   Tcp::acceptor acceptor_;
   asio::signal_set signals_;
   asio::steady_timer timer_{context_};
@@ -275,7 +275,7 @@ void Session::send_parts() {
   try {
     answer_->next_part();
   } catch (const std::system_error&) {
-    return;  // cut short: the client sees a connection that ends too early
+    return;  // truncated: the client sees that the connection ends too early
   }
   stream_.expires_after(server_.options().patience);
   http::async_write(stream_, *serializer_, [self = shared_from_this()](const ErrorCode& error, std::size_t) {

@@ -1,4 +1,4 @@
-// Folders of this machine for its own browsers: HTTP/1.1 on 127.0.0.1, by Boost.Beast.
+// Serves folders of this machine to its own browsers: HTTP/1.1 on 127.0.0.1, by Boost.Beast.
 #pragma once
 
 #include <chrono>
@@ -11,23 +11,23 @@
 
 namespace occlod::tool {
 
-// What is below `prefix` comes from a folder; nothing that lies outside it, whatever links and names say.
+// Maps paths below `prefix` to a folder. Nothing outside the folder is served, whatever links and names say.
 struct ServedFolder {
   std::string prefix;  // "/name/"
   std::filesystem::path folder;
 };
 
 struct ServerOptions {
-  std::uint16_t port = 0;  // 0: any that is free
+  std::uint16_t port = 0;  // 0: any free one
   std::string page;        // the HTML at "/"
   std::vector<ServedFolder> folders;
   std::size_t max_connections = 256;          // at once; others wait
-  std::chrono::milliseconds patience{10000};  // a client has so long for a request, or for taking a part of an answer
+  std::chrono::milliseconds patience{10000};  // time limit for a request, and for taking a part of an answer
 };
 
-// Answers GET and HEAD, with ranges, until SIGINT or SIGTERM. `ready` is told the port. Requests by other names than
-// those of this machine are refused, so that no page of a foreign name reaches the server (DNS rebinding). Throws Error
-// when the port cannot be had.
+// Answers GET and HEAD, with ranges, until SIGINT or SIGTERM. Calls `ready` with the port. Refuses requests by other
+// names than those of this machine, so that no page of a foreign name reaches the server (DNS rebinding). Throws Error
+// when the port is not available.
 void serve(const ServerOptions& options, const std::function<void(std::uint16_t port)>& ready);
 
 }  // namespace occlod::tool

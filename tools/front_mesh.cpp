@@ -55,7 +55,7 @@ void FrontMesh::assign(const Front& front, std::span<const hlod::PlacedHlod> pla
     cuts_[i] = cut_with_splits(hlod, draw.node, draw.splits);
     indices += cuts_[i].indices.size();
   }
-  triangles_.reserve(indices / 3);  // so that spans into them stay where they are
+  triangles_.reserve(indices / 3);  // so that spans into it stay valid
   positions_.resize(front.draws.size());
   attributes_.resize(front.draws.size());
   laid_.clear();

@@ -1,4 +1,4 @@
-// What a frame of an HLOD has drawn, to be drawn again: into pictures, and from other eyes.
+// Converts what a frame of an HLOD has drawn for drawing it again: into pictures, and from other eyes.
 #pragma once
 
 #include <cstddef>
@@ -17,36 +17,37 @@
 
 namespace occlod::tool {
 
-// Draws of a frame that outlive it; of cuts only their splits.
+// Holds draws of a frame beyond its lifetime; of cuts, only the number of splits.
 struct Front {
   std::vector<hlod::DrawnNode> draws;
   std::vector<hlod::DrawRange> ranges;
 };
 
 [[nodiscard]] Front front_of(const hlod::Frame& frame);
-// All nodes of level 0 that may be inside the frustum: the input itself.
+// Returns all nodes of level 0 that may be inside the frustum: the input itself.
 [[nodiscard]] Front full_front(std::span<const hlod::PlacedHlod> placed, const View& view);
 
-// The triangles of a front, one object of a picture for each of its draws, in the same order. Reuses its memory.
+// Holds the triangles of a front as objects of a picture, one per draw, in the same order. Reuses its memory.
 class FrontMesh {
  public:
-  // The HLODs outlive what objects() returns. Throws Error when a mapped file is damaged.
+  // The HLODs must outlive the result of objects(). Throws Error when a mapped file is damaged.
   void assign(const Front& front, std::span<const hlod::PlacedHlod> placed);
-  // Valid until the next assign().
+  // Returns the objects, valid until the next assign().
   [[nodiscard]] std::span<const DrawObject> objects() const { return objects_; }
-  // One for each of them, empty where `materials` are: by placed HLOD, those that its vertices index. Likewise.
+  // Returns the texture of each object, empty if its HLOD's entry in `materials` is. `materials` lists, per placed
+  // HLOD, the materials that its vertices index. Valid until the next assign().
   [[nodiscard]] std::vector<ObjectTexture> textures(std::span<const std::span<const DrawMaterial>> materials) const;
   [[nodiscard]] std::size_t triangle_count() const { return triangles_.size(); }
 
  private:
   void append(const hlod::DrawnNode& draw, std::span<const hlod::DrawRange> ranges, const hlod::PlacedHlod& placed);
-  // Attributes of a cut's vertices: those of the node's mesh, then those of its splits.
+  // Holds attributes of a cut's vertices: those of the node's mesh, then those of its splits.
   struct CutAttributes {
     std::vector<glm::u8vec4> colors;
     std::vector<glm::vec2> texture_coordinates;
     std::vector<MaterialId> materials;
   };
-  // What textures need of the vertices of an object.
+  // Holds what textures need of the vertices of an object.
   struct Laid {
     std::uint32_t placed = 0;  // HLOD
     std::span<const glm::vec2> texture_coordinates;
@@ -57,10 +58,10 @@ class FrontMesh {
 
   std::vector<DrawObject> objects_;
   std::vector<Triangle> triangles_;                // of all objects, one after the other
-  std::vector<std::vector<glm::vec3>> positions_;  // of the k-th object whose vertices are on their way
-  std::vector<hlod::NodeCut> cuts_;                // of the k-th object
-  std::vector<CutAttributes> attributes_;          // of the k-th object, if that is a cut
-  std::vector<Laid> laid_;                         // of the k-th object
+  std::vector<std::vector<glm::vec3>> positions_;  // of the k-th object whose vertices morph
+  std::vector<hlod::NodeCut> cuts_;                // per cut
+  std::vector<CutAttributes> attributes_;          // per object; empty unless it is a cut
+  std::vector<Laid> laid_;                         // per object
 };
 
 }  // namespace occlod::tool

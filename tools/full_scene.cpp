@@ -15,19 +15,19 @@ namespace {
 
 constexpr std::uint32_t chunk_triangles = 1024;
 constexpr int tile_size = 8;               // pixels
-constexpr std::size_t chunks_a_look = 64;  // drawn before depth is looked at again
+constexpr std::size_t chunks_a_look = 64;  // drawn between two looks at the depth
 
 struct Part {
   Box box;
   std::uint32_t first = 0, count = 0;  // of the triangles
 };
 
-// Pixels, the last ones excluded.
+// Holds pixels, excluding the last column and row.
 struct Rectangle {
   int left = 0, top = 0, right = 0, bottom = 0;
 };
 
-// The farthest depth in each tile of an image.
+// Holds the farthest depth in each tile of an image.
 class FarthestDepth {
  public:
   void look_at(const DepthBuffer& depth) {
@@ -43,7 +43,7 @@ class FarthestDepth {
       }
   }
 
-  // Whether every pixel of it is nearer.
+  // Returns whether every pixel in the rectangle is nearer.
   [[nodiscard]] bool hides(const Rectangle& pixels, double nearness) {
     if (farthest_.empty()) return false;
     for (int y = pixels.top / tile_size; y <= (pixels.bottom - 1) / tile_size; ++y)
@@ -66,7 +66,7 @@ struct FullScene::Mesh {
     divide(hierarchy.positions(), 0, static_cast<std::uint32_t>(triangles.size()));
   }
 
-  // At the median of the longest axis, until parts are small.
+  // Divides at the median of the longest axis until parts are small.
   void divide(std::span<const glm::vec3> positions, std::uint32_t first, std::uint32_t count) {
     Box box{glm::vec3(std::numeric_limits<float>::infinity()), glm::vec3(-std::numeric_limits<float>::infinity())};
     for (std::uint32_t i = first; i < first + count; ++i)
@@ -94,11 +94,11 @@ struct FullScene::Mesh {
   std::vector<Part> parts;
 };
 
-// A part of a mesh that may show in a view.
+// Names a part of a mesh that may be visible in a view.
 struct FullScene::Chunk {
   std::uint32_t mesh = 0, part = 0;
-  double nearness = 0.0;  // that it has nowhere more of
-  Rectangle pixels;       // that hold all of it
+  double nearness = 0.0;  // upper bound
+  Rectangle pixels;       // contain the whole chunk
 };
 
 FullScene::FullScene(std::span<const RefineObject> objects) {

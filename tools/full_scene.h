@@ -1,4 +1,4 @@
-// The full meshes of placed objects, of any size, drawn to see which triangle owns each pixel.
+// Draws the full meshes of placed objects, of any size, to see which triangle owns each pixel.
 #pragma once
 
 #include <cstddef>
@@ -14,11 +14,12 @@
 
 namespace occlod::tool {
 
-// Immutable; any number of threads may draw it, each into its own buffer. Triangles are kept in chunks of neighbours:
-// what is outside the frustum, or behind what is drawn already, is not drawn.
+// Never changes: any number of threads may draw it, each into its own buffer. Triangles are kept in chunks of
+// neighbours; chunks outside the frustum, or behind what is already drawn, are not drawn.
 class FullScene {
  public:
-  // Hierarchies outlive it. Throws Error for 2^32 triangles or more. O(n log n), the same mesh only once.
+  // Hierarchies must outlive it. Throws Error for 2^32 triangles or more. O(n log n), where meshes that repeat count
+  // once.
   explicit FullScene(std::span<const RefineObject> objects);
   ~FullScene();
   FullScene(const FullScene&) = delete;
@@ -29,13 +30,13 @@ class FullScene {
     Triangle triangle{0};  // ids of its hierarchy's vertices
   };
 
-  // Resets the buffer to the size of a perspective view and draws. As draw_items() of all triangles in some order.
+  // Resets the buffer to the size of a perspective view and draws, like draw_items() of all triangles in some order.
   void draw(ItemBuffer& target, const View& view) const;
-  // Of all objects.
+  // Returns the number of triangles of all objects.
   [[nodiscard]] std::size_t triangle_count() const noexcept;
-  // In chunks that may be inside the frustum of a perspective view.
+  // Counts the triangles in chunks that may be inside the frustum of a perspective view.
   [[nodiscard]] std::size_t triangles_in_view(const View& view) const;
-  // What an item that owns a pixel is.
+  // Returns the object and triangle of an item that owns a pixel.
   [[nodiscard]] Item item(std::uint32_t item) const;
 
  private:

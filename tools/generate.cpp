@@ -1,4 +1,4 @@
-// occlod generate KIND [NAME=VALUE ...] -o FILE
+// Implements `occlod generate KIND [NAME=VALUE ...] -o FILE`.
 #include "occlod/generate.h"
 
 #include <fmt/format.h>
@@ -36,7 +36,7 @@ struct Request {
   bool json = false;
 };
 
-// What a value of an option may be, as a range of the right type.
+// Returns the allowed values of an option as a range of the right type.
 template <class Options>
 WholeRange range_of(const GeneratorOption<Options, int>& option) {
   return {static_cast<std::uint64_t>(option.low), static_cast<std::uint64_t>(option.high)};
@@ -54,7 +54,7 @@ template <class Options, class Value>
 void assign(Value& value, std::string text, const GeneratorOption<Options, Value>& option) {
   if (const std::string wrong = in_range(range_of(option))(text); !wrong.empty())
     throw CLI::ValidationError(option.name, wrong);
-  CLI::detail::lexical_cast(text, value);  // checked
+  CLI::detail::lexical_cast(text, value);  // it was checked
 }
 
 template <class Options>
@@ -108,7 +108,7 @@ Json write_streamed(const Options& options, const Request& request, Progress& pr
   write_interruptibly(request.file, 0, progress, [&] {
     counts = write_mesh_parts(request.file, [&](const PartVisitor& visit) {
       Generator<Options>::stream(options, [&](const TriangleMesh& part, std::size_t repeated) {
-        note_interrupts();  // also while parts are only counted
+        note_interrupts();  // even while parts are only counted
         visit(part, repeated);
       });
     });
@@ -134,7 +134,7 @@ std::vector<std::string> kinds() {
   return names;
 }
 
-// "  level=8             subdivisions, 0 to 11"
+// Lists the options in lines like "  level=8             subdivisions, 0 to 11".
 std::string table_of_options() {
   std::string text = "Kinds, and their options as they are when not given:\n";
   for_each_generator([&]<class Options>(const Options& defaults) {

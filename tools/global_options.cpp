@@ -14,13 +14,13 @@ const CLI::App& program_of(const CLI::App& command) {
   return *app;
 }
 
-// "occlod cells info"
+// Returns the command in words, like "occlod cells info".
 std::string words_of(const CLI::App& command) {
   const CLI::App* const parent = command.get_parent();
   return (parent == nullptr ? "" : words_of(*parent) + " ") + command.get_name();
 }
 
-// The option when it was given, else null.
+// Returns the option if it was given, else null.
 const CLI::Option* given(const CLI::App& command, const std::string& name, bool is_used) {
   const CLI::Option* const option = program_of(command).get_option(name);
   if (option->count() == 0) return nullptr;
@@ -36,7 +36,7 @@ ShowProgress progress_of(const std::string& word) {
 }  // namespace
 
 void add_global_options(CLI::App& app) {
-  app.fallthrough();  // commands that are added afterwards inherit it
+  app.fallthrough();  // commands that are added later inherit it
   app.option_defaults()->group("Options of all commands, before or after their names");
   app.add_flag("--json")->description("Print the result as one JSON object");
   app.add_option("--progress")

@@ -5,7 +5,7 @@
 namespace occlod::tool {
 namespace {
 
-// CLI11 indents what follows a line break.
+// Wraps text. CLI11 indents what follows a line break.
 std::string wrap(const std::string& text, std::size_t width) {
   std::istringstream words(text);
   std::string wrapped, word;
@@ -24,7 +24,7 @@ std::string wrap(const std::string& text, std::size_t width) {
 std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
   if (!option->get_option_text().empty()) return " " + option->get_option_text();
   std::string text;
-  if (option->get_type_size() != 0) {  // no flag
+  if (option->get_type_size() != 0) {  // it is not a flag
     if (!option->get_type_name().empty()) text += " " + option->get_type_name();
     if (!option->get_default_str().empty()) text += " [" + option->get_default_str() + "]";
   }

@@ -1,4 +1,4 @@
-// How --help looks: descriptions wrapped, defaults in brackets.
+// Formats --help: descriptions are wrapped, defaults are in brackets.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,10 +8,10 @@ namespace occlod::tool {
 
 class HelpFormatter : public CLI::Formatter {
  protected:
-  // "N [10000]"
+  // Returns text like "N [10000]".
   std::string make_option_opts(const CLI::Option* option) const override;
   std::string make_option_desc(const CLI::Option* option) const override;
-  // With a line that tells of the options of the program.
+  // Adds a line about the options of the program.
   std::string make_footer(const CLI::App* command) const override;
 };
 

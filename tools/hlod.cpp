@@ -1,4 +1,4 @@
-// occlod hlod build|info|validate|render|export|serve
+// Implements `occlod hlod build|info|validate|render|export|serve`.
 #include "hlod.h"
 
 #include <fmt/format.h>
@@ -49,7 +49,7 @@ SceneDescription describe_all(const std::vector<std::string>& files) {
   all.name = files.front();
   for (const std::string& file : files) {
     SceneDescription scene = describe_file(file);
-    // Names in a scene file are relative to its folder, of which there is one for each.
+    // Names in a scene file are relative to its folder, and each file has its own folder.
     for (SceneObject& object : scene.objects)
       if (auto* source = std::get_if<MeshFile>(&object.source))
         for (std::string& name : source->names)

@@ -1,4 +1,4 @@
-// What the subcommands of `occlod hlod` share.
+// Declares what the subcommands of `occlod hlod` share.
 #pragma once
 
 #include <cstddef>
@@ -21,26 +21,26 @@ void add_hlod_build(CLI::App& hlod);
 void add_hlod_export(CLI::App& hlod);
 void add_hlod_info(CLI::App& hlod);
 void add_hlod_render(CLI::App& hlod);
-void add_hlod_serve(CLI::App& hlod);  // where OCCLOD_HAS_SERVER is defined
+void add_hlod_serve(CLI::App& hlod);  // only where OCCLOD_HAS_SERVER is defined
 void add_hlod_validate(CLI::App& hlod);
 
-// One mesh of all that these files hold: a mesh as it is, several, or scenes, together in world space.
+// Reads all files, a mesh as it is, several meshes or scenes, into one mesh in world space.
 [[nodiscard]] CleanMesh read_hlod_input(const std::vector<std::string>& files, Progress& progress);
 
-// The same piece by piece, for meshes larger than memory. `progress` outlives it.
+// Reads the files piece by piece, for meshes larger than memory. `progress` must outlive the source.
 [[nodiscard]] hlod::TriangleSource stream_hlod_input(const std::vector<std::string>& files, Progress& progress);
 
-// nodes, levels, roots, patches, triangles, stored_triangles, grouping, borders, node_triangles, within, bytes;
-// lattice_step if positions were quantised; with refinement within nodes splits and within_bytes, which are part of
-// bytes.
+// Returns nodes, levels, roots, patches, triangles, stored_triangles, grouping, borders, node_triangles, within and
+// bytes; lattice_step if positions were quantised; and with refinement within nodes splits and within_bytes, which is
+// part of bytes.
 [[nodiscard]] Json counts_of(const hlod::Hlod& hlod);
-// Of its file.
+// Returns the size of its file.
 [[nodiscard]] Json file_size_of(const std::string& file, const hlod::Hlod& hlod);
 
-// For each level from the input up: nodes, triangles, vertices, what a node has of parents and children on average, and
-// its errors.
+// Returns, for each level from the input up, nodes, triangles, vertices, the average number of parents and children of
+// a node, and errors.
 [[nodiscard]] Json levels_of(const hlod::Hlod& hlod);
-// As a table, for people.
+// Prints them as a table for people.
 void print_levels(const Json& levels);
 
 }  // namespace occlod::tool

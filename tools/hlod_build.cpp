@@ -1,4 +1,4 @@
-// occlod hlod build INPUT... -o FILE.ohlod
+// Implements `occlod hlod build INPUT... -o FILE.ohlod`.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -74,7 +74,7 @@ void check(const Options& options) {
 struct Built {
   hlod::Hlod hlod;
   MeshReport report;
-  double read_ms = 0.0;         // of the time, where reading comes first
+  double read_ms = 0.0;         // time for reading, where it comes first
   std::size_t nodes_found = 0;  // in the journal
 };
 
@@ -85,7 +85,7 @@ Built build_in_memory(const Options& options, Progress& progress) {
   built.read_ms = stopwatch.milliseconds();
   built.hlod = build_hlod(input.mesh, build_options(options, progress, built.nodes_found));
   built.report = input.report;
-  // Those that quantising dropped, as when the input is streamed.
+  // These are triangles that quantising dropped, counted as when the input is streamed.
   built.report.repeated_index_triangles += input.mesh.triangle_count() - built.hlod.data().input_triangle_count;
   return built;
 }
@@ -108,7 +108,7 @@ void set_memory(Options& options, const std::string& text) {
 std::filesystem::path scratch_folder(const Options& options) {
   if (!options.scratch.empty()) return options.scratch;
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
-  return folder.empty() ? "." : folder;  // where there has to be room for the result anyway
+  return folder.empty() ? "." : folder;  // it needs room for the result anyway
 }
 
 void remove_journal(const std::string& file) {

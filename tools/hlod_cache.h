@@ -1,4 +1,4 @@
-// HLODs whose meshes come and go: options, and what is told of their stores.
+// Adds options for HLODs with node stores, and reports on the stores.
 #pragma once
 
 #include <optional>
@@ -15,16 +15,16 @@ class Option;
 
 namespace occlod::tool {
 
-// --cache, --load. Returns the former; nothing is set without it.
+// Adds --cache and --load, and returns the former. Without it `options` stays empty.
 CLI::Option* add_cache_options(CLI::App& command, std::optional<hlod::CacheOptions>& options);
-// With the mode as it is given on the command line.
+// Writes the mode as on the command line.
 [[nodiscard]] Json to_json(const hlod::CacheOptions& options);
 
-// The sum over the stores of these objects, each counted once; nothing where there are none.
+// Returns the sum over the stores of these objects, each counted once; nothing if there are none.
 [[nodiscard]] std::optional<hlod::StoreStats> store_stats(std::span<const hlod::PlacedHlod> placed);
-// What a frame has changed, and what is there after it.
+// Returns what a frame has changed, and the state after it.
 [[nodiscard]] Json to_json(const hlod::StoreStats& after, const hlod::StoreStats& before);
-// Notes what has failed since the last call on standard error, one line each.
+// Prints what has failed since the last call on standard error, one line each.
 void print_failures(std::span<const hlod::PlacedHlod> placed);
 
 }  // namespace occlod::tool

@@ -1,4 +1,4 @@
-// The devices that HLODs are drawn with, by name.
+// Makes the devices that draw HLODs by name.
 #pragma once
 
 #include <memory>
@@ -15,11 +15,11 @@ struct HlodDevice {
   Json gl;  // platform, renderer, version; null without OpenGL
 };
 
-// software, gl, egl or osmesa. Throws Error for any other name, and when this machine or build has no
-// such device.
+// Makes software, gl, egl or osmesa. Throws Error for any other name, and when this machine or build has no such
+// device.
 [[nodiscard]] HlodDevice make_hlod_device(const std::string& name);
 
-// For help.
+// This list is for help.
 inline constexpr const char* hlod_device_names = "software, gl, egl or osmesa";
 
 }  // namespace occlod::tool

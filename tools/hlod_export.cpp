@@ -1,4 +1,4 @@
-// occlod hlod export FILE.ohlod -o FOLDER: as 3D Tiles 1.1, with glTF contents.
+// Implements `occlod hlod export FILE.ohlod -o FOLDER`: 3D Tiles 1.1 with glTF contents.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -37,7 +37,7 @@ struct Options {
   bool json = false;
 };
 
-// LON,LAT,H
+// Parses LON,LAT,H.
 tiles::GeodeticOrigin parse_origin(const std::string& text) {
   const auto fail = [&] {
     throw CLI::ValidationError("--origin", shown(text) +

@@ -1,4 +1,4 @@
-// occlod hlod info FILE.ohlod
+// Implements `occlod hlod info FILE.ohlod`.
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>

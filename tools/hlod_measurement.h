@@ -1,4 +1,4 @@
-// Draws views of HLODs, one after the other, and takes the time: what Measurement is to refinement by splits.
+// Draws and times views of HLODs one after the other, as Measurement does for refinement by splits.
 #pragma once
 
 #include <cstddef>
@@ -14,20 +14,20 @@
 
 namespace occlod::tool {
 
-// Medians over all repetitions.
+// Holds medians over all repetitions.
 struct HlodTimes {
-  double traverse_ms = 0.0;  // of the traversal alone: what draws and answers takes no time
+  double traverse_ms = 0.0;  // traversal alone: the device takes no time
   double draw_ms = 0.0;      // the picture, by our own rasteriser
 };
 
 class HlodMeasurement {
  public:
-  // What `placed` points to outlives it. The strategy needs no costs.
+  // What `placed` points to must outlive it. The strategy needs no costs.
   HlodMeasurement(std::span<const hlod::PlacedHlod> placed, const hlod::TraverseOptions& options);
 
   // Forgets earlier times.
   void begin();
-  // One more frame; what the accessors tell is that of the last one. What the device `software` takes to draw and
+  // Draws one more frame, to which the accessors then refer. The time that the device `software` takes to draw and to
   // answer is subtracted from the time of the traversal.
   void repeat(const View& view);
 

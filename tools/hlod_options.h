@@ -1,4 +1,4 @@
-// Options of `occlod hlod render` that decide what is drawn.
+// Adds the options of `occlod hlod render` that decide what is drawn.
 #pragma once
 
 #include "json_output.h"
@@ -11,9 +11,9 @@ class App;
 
 namespace occlod::tool {
 
-// --tolerance, --geomorph, --within.
+// Adds --tolerance, --geomorph and --within.
 void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options);
-// All but the strategy and the costs.
+// Omits the strategy and the costs.
 [[nodiscard]] Json to_json(const hlod::TraverseOptions& options);
 [[nodiscard]] Json to_json(const hlod::DeviceCosts& costs);
 

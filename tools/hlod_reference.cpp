@@ -33,7 +33,7 @@ double depth_complexity(std::span<const DrawObject> objects, const ItemBuffer& i
   return covered > 0 ? layers * view.width() * view.height() / static_cast<double>(covered) : 0.0;
 }
 
-// The point of the world that a pixel shows.
+// Computes the point of the world that a pixel shows.
 class PixelPoints {
  public:
   explicit PixelPoints(const View& view) : view_(view), to_world_(glm::inverse(view.world_to_clip())) {}
@@ -55,7 +55,7 @@ class PixelPoints {
   glm::dmat4 to_world_;
 };
 
-// Whether the view, which has these depths, shows the point, to within 2 px.
+// Returns whether the view, which has these depths, shows the point to within 2 px.
 bool shows(const View& view, const DepthBuffer& depth, const glm::dvec3& point) {
   const glm::dvec4 clip = view.world_to_clip() * glm::dvec4(point, 1.0);
   if (!(clip.w > 0.0) || std::abs(clip.x) >= clip.w || std::abs(clip.y) >= clip.w) return false;
@@ -67,7 +67,7 @@ bool shows(const View& view, const DepthBuffer& depth, const glm::dvec3& point) 
   return std::abs(view.distance_at(nearness) - distance) * view.scale_px_at(nearness) <= 2.0;
 }
 
-// By pixel of `depth`: whether the other view shows the same.
+// Returns, per pixel of `depth`, whether the other view shows the same point.
 std::vector<bool> shown_in(const View& view, const DepthBuffer& depth, const View& other,
                            const DepthBuffer& other_depth) {
   const PixelPoints points(view);
@@ -81,7 +81,7 @@ std::vector<bool> shown_in(const View& view, const DepthBuffer& depth, const Vie
   return shown;
 }
 
-// `depth` where that is shown, `other` elsewhere: nothing has changed there.
+// Returns `depth` where the point is shown and `other` elsewhere, so that those pixels count as unchanged.
 DepthBuffer where_shown(DepthBuffer depth, const DepthBuffer& other, const std::vector<bool>& shown) {
   for (std::size_t i = 0; i < shown.size(); ++i)
     if (!shown[i]) depth.nearness[i] = other.nearness[i];

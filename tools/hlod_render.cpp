@@ -1,5 +1,4 @@
-// occlod hlod render INPUT: draws the frames of a camera path, or of a camera that stands still, and tells what each
-// took.
+// Implements `occlod hlod render INPUT`: draws the frames of a camera path, or of a static camera, and reports costs.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -41,7 +40,7 @@ struct Options {
   bool json = false;
 };
 
-// The name of a picture of frame `frame`: numbered where there are several.
+// Names the picture of a frame, with its number if there are several.
 std::filesystem::path picture_file(const std::string& file, int frames, int frame) {
   return frames > 1 ? numbered(file, frame) : std::filesystem::path(file);
 }
@@ -83,7 +82,7 @@ Json report_of(const Options& options, const HlodScene& scene, const HlodDevice&
   return report;
 }
 
-// The line below the table: sums and maxima over all frames.
+// Prints the line below the table: sums and maxima over all frames.
 void print_cache(const hlod::CacheOptions& cache, const Json& told, double first_picture_ms) {
   const auto number = [&](const char* key) { return told[key].get<double>(); };
   fmt::print(
@@ -147,7 +146,7 @@ void add_hlod_render(CLI::App& hlod) {
   add_number(command, "--reference", options->compared_frames, WholeRange{0, 1'000'000},
              "Compare so many frames, spread evenly, with the input and with what vfc draws; 0: none")
       ->capture_default_str()
-      ->excludes(cache);  // they need all of it
+      ->excludes(cache);  // they need the whole HLOD
   add_file(command, "--png", options->png,
            "Write a picture; of several frames one each: view.png becomes view_00000.png, ...");
   add_texture_option(command, options->texture, "--png lays");

@@ -42,7 +42,7 @@ Json to_json(const hlod::FrameTimes& times) {
           {"starve_ms", times.starve_ms}};
 }
 
-// Of `automatic`: which strategy drew the frame, and what each that has been tried is expected to take.
+// Describes for `automatic` which strategy drew the frame, and the predicted times of those that were tried.
 Json choice_to_json(const hlod::Frame& frame) {
   Json json = {{"drawn_by", name_of(frame.strategy)}};
   for (const hlod::StrategyForecast& forecast : frame.forecasts)
@@ -66,8 +66,8 @@ Json to_json(const HlodDistance& distance) {
           {"depth_complexity", distance.depth_complexity}};
 }
 
-// Mean and standard deviation of one column over the frames that have it. Pictures that are equal have no finite
-// signal-to-noise ratio: they are left out.
+// Adds up mean and standard deviation of a column over the frames that have it. Equal pictures have no finite
+// signal-to-noise ratio and are left out.
 struct Column {
   std::vector<double> values;
 
@@ -97,14 +97,14 @@ std::string hash_of(const std::vector<Json>& rows) {
   return fmt::format("{:016x}", XXH3_64bits(hashes.data(), hashes.size()));
 }
 
-// What so many of the values, of which there is at least one, do not exceed.
+// Returns a value that this share of the values, at least one, does not exceed.
 double quantile(std::vector<double> values, double share) {
   const auto place = std::lround(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + place, values.end());
   return values[static_cast<std::size_t>(place)];
 }
 
-// Otherwise averages are told.
+// Returns whether the maximum is reported, and is_told_whole() whether the sum is; for other keys the average is.
 bool is_told_largest(const std::string& key) {
   return key == "largest_sse_px" || key == "resident_bytes" || key == "resident_nodes" || key == "failed";
 }
@@ -146,7 +146,7 @@ void HlodRuns::draw(State& state, int frame, const View& view) {
   Json row = {{"frame", frame}};
   row.update(to_json(state.frame->stats));
   row.update(to_json(state.frame->times));
-  if (stores) {  // whose times are the clock's: what is told of all others is the same in every run
+  if (stores) {  // only these report wall times: all other values are equal in every run
     row["wall_ms"] = wall_ms;
     row.update(to_json(*store_stats(scene_.placed), *stores));
   }
@@ -159,7 +159,7 @@ void HlodRuns::draw(State& state, int frame, const View& view) {
 
 Json HlodRuns::summary(std::size_t run) const {
   const std::vector<Json>& rows = states_[run].rows;
-  Json keys;  // of all columns: those of frames that were compared come last
+  Json keys;  // of all columns, those of compared frames last
   for (const Json& row : rows) keys.update(row);
   Json result = {{"frames", rows.size()}, {"compared_frames", compared_frames_}};
   for (const auto& [key, value] : keys.items()) {

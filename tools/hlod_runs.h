@@ -1,4 +1,4 @@
-// One camera path drawn by several strategies, each on its device, frame by frame in turns.
+// Draws one camera path by several strategies, each on its device, frame by frame in turns.
 #pragma once
 
 #include <memory>
@@ -16,27 +16,27 @@ namespace occlod::tool {
 
 struct HlodRun {
   hlod::TraverseOptions options;
-  hlod::RenderDevice* device = nullptr;  // may be that of other runs too
+  hlod::RenderDevice* device = nullptr;  // may be shared with other runs
   const hlod::Trial* trial = nullptr;    // for comparisons with papers; null: none
 };
 
 class HlodRuns {
  public:
-  // `compared_frames`, spread evenly over the path, are compared with the truth; all when there are no more. All runs
-  // have the tolerance, metric and geomorphs of the first. The scene, the devices and the trials outlive it.
+  // Compares `compared_frames` frames, spread evenly over the path, or all if there are no more, with the input. All
+  // runs have the tolerance, metric and geomorphs of the first. The scene, the devices and the trials must outlive it.
   HlodRuns(const HlodScene& scene, std::vector<HlodRun> runs, int compared_frames);
 
-  // Draws frame `frame` of the path by each run. In order, from frame 0.
+  // Draws frame `frame` of the path by each run. Frames must be drawn in order from 0.
   void draw(int frame);
 
-  // Of run `run`: the last frame, what it drew, and what is told of it.
+  // These return the last frame of a run, what it drew, and its data for reports.
   [[nodiscard]] const hlod::Frame& frame(std::size_t run) const { return *states_[run].frame; }
   [[nodiscard]] const Front& front(std::size_t run) const { return states_[run].front; }
   [[nodiscard]] const Json& told(std::size_t run) const { return states_[run].rows.back(); }
-  // Of all frames so far.
+  // Returns the data of all frames so far.
   [[nodiscard]] const std::vector<Json>& rows(std::size_t run) const { return states_[run].rows; }
-  // Averages over them, the largest of what is called largest and of what is resident, sums of what was loaded, and a
-  // hash of all fronts.
+  // Returns averages over all frames, the largest of values that are called largest or resident, sums of what was
+  // loaded, and a hash of all fronts.
   [[nodiscard]] Json summary(std::size_t run) const;
 
  private:

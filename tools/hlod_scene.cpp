@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint64_t max_frames = 1'000'000;
 
-// The scene that has the cameras.
+// Returns the scene that has the cameras.
 SceneDescription read_views(const HlodSceneOptions& options, const SceneDescription& objects) {
   return options.scene.empty() ? objects : read_scene(options.scene);
 }
@@ -35,18 +35,18 @@ void check(const HlodSceneOptions& options) {
     throw Error({options.file.string(), "--path", "it has no camera path", "name a scene that has it by --scene"});
 }
 
-// As the file has it, with as many frames as were asked for.
+// Returns the file's path, with as many frames as were asked for.
 CameraPath path_of(const HlodSceneOptions& options, const SceneDescription& views) {
   CameraPath path = chosen_path(views, options.view);
   path.frames = options.frames.value_or(path.frames);
   if (path.jump && path.keys.size() > static_cast<std::size_t>(path.frames))
     throw Error({views.file.string(), "--frames", fmt::format("this path jumps to {} places", path.keys.size()),
                  "ask for as many frames at least"});
-  for (int i = 0; i < path.frames; ++i) (void)View(camera_at(path, i));  // before anything is drawn
+  for (int i = 0; i < path.frames; ++i) (void)View(camera_at(path, i));  // checks all views before anything is drawn
   return path;
 }
 
-// A camera that stands still.
+// Returns a path on which the camera stands still.
 CameraPath still(const Camera& camera, const HlodSceneOptions& options) {
   return {{camera}, options.frames.value_or(1), false};
 }

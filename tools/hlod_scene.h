@@ -1,4 +1,4 @@
-// What `occlod hlod render` is given: HLODs and where they are seen from.
+// Loads what `occlod hlod render` is given: HLODs and where they are seen from.
 #pragma once
 
 #include <filesystem>
@@ -19,43 +19,43 @@ namespace occlod::tool {
 
 struct HlodSceneOptions {
   std::filesystem::path file;   // scene, mesh or .ohlod file
-  std::filesystem::path scene;  // whose cameras and paths are taken instead; empty: those of the file
+  std::filesystem::path scene;  // replaces the cameras and paths of `file`, unless empty
   ViewOptions view;
-  std::optional<int> frames;  // into so many a path is divided anew, or for which a camera stands still
+  std::optional<int> frames;  // number of frames, into which a path is divided anew or for which a camera stands still
   bool use_cache = true;
-  std::optional<hlod::CacheOptions> paged;  // of .ohlod files
+  std::optional<hlod::CacheOptions> paged;  // for .ohlod files
 };
 
 struct HlodScene {
-  std::string name;  // of the file, without its extension
+  std::string name;  // the file's, without its extension
   std::vector<LoadedHlod> hlods;
   std::vector<hlod::PlacedHlod> placed;  // point to `hlods`
-  CameraPath path;                       // of one key where a camera was asked for
+  CameraPath path;                       // one key if a camera was asked for
 };
 
-// Reads and builds. `paged`: as in HlodLoadOptions. Shows progress and notes on standard error. Throws Error as
-// load_hlods() does.
+// Reads and builds HLODs. For `paged` see HlodLoadOptions. Shows progress and notes on standard error. Throws Error
+// like load_hlods().
 [[nodiscard]] std::vector<LoadedHlod> load_hlods_of(const SceneDescription& scene, const std::filesystem::path& folder,
                                                     bool use_cache,
                                                     const std::optional<hlod::CacheOptions>& paged = std::nullopt);
 
 void add_hlod_scene_options(CLI::App& command, HlodSceneOptions& options);
 
-// What is known before anything is read but scene files.
+// Holds what is known before anything but scene files is read.
 struct HlodRequest {
   SceneDescription objects;
-  std::optional<CameraPath> path;  // none where the camera shows all of a mesh or an HLOD
+  std::optional<CameraPath> path;  // none if the camera shows all of a mesh or an HLOD
   int frames = 1;
 };
 
-// Throws Error.
+// Reads scene files only. Throws Error.
 [[nodiscard]] HlodRequest describe_hlod_request(const HlodSceneOptions& options);
 
-// Files that load_hlod_scene() may read, with what they are, for messages.
+// Returns the files that load_hlod_scene() may read, with names for messages.
 [[nodiscard]] std::vector<std::pair<std::string, std::filesystem::path>> files_of(const HlodSceneOptions& options,
                                                                                   const HlodRequest& request);
 
-// Reads and builds. Shows progress and notes on standard error. Throws Error.
+// Reads and builds the scene. Shows progress and notes on standard error. Throws Error.
 [[nodiscard]] HlodScene load_hlod_scene(const HlodSceneOptions& options, const HlodRequest& request);
 
 }  // namespace occlod::tool

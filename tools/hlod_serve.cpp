@@ -1,4 +1,4 @@
-// occlod hlod serve FOLDER
+// Implements `occlod hlod serve FOLDER`.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

@@ -1,4 +1,4 @@
-// Strategies of HLOD traversal by their names: those of the command line and of the viewer.
+// Names strategies of HLOD traversal on the command line and in the viewer.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace occlod::tool {
 
-// In the order in which help lists them.
+// Returns them in the order in which help lists them.
 [[nodiscard]] const std::vector<std::pair<std::string, hlod::Strategy>>& strategies();
 [[nodiscard]] const std::string& name_of(hlod::Strategy strategy);
 

@@ -1,4 +1,4 @@
-// occlod hlod validate FILE.ohlod [--input INPUT...]
+// Implements `occlod hlod validate FILE.ohlod [--input INPUT...]`.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

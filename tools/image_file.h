@@ -1,4 +1,4 @@
-// Image files, decoded.
+// Decodes image files.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace occlod::tool {
 
-// PNG, JPEG, TGA, BMP, GIF (its first picture), PSD, HDR, PIC and PNM, as sRGB. Throws Error that names the file, or
-// `name`, when it is missing, no image or larger than 2^28 pixels.
+// Decodes PNG, JPEG, TGA, BMP, GIF (its first picture), PSD, HDR, PIC and PNM to sRGB. Throws Error that names the
+// file, or `name`, when it is missing, not an image or larger than 2^28 pixels.
 [[nodiscard]] Image read_image(const std::filesystem::path& file);
 [[nodiscard]] Image decode_image(std::span<const std::uint8_t> bytes, const std::string& name);
 

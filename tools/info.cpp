@@ -1,4 +1,4 @@
-// occlod info FILE
+// Implements `occlod info FILE`.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
@@ -26,7 +26,7 @@ struct Options {
   bool json = false;
 };
 
-// What only a look at every split tells.
+// Holds what requires a look at every split.
 struct Counts {
   std::uint32_t levels = 0;  // of the forest
   std::uint64_t dependencies = 0;
@@ -45,7 +45,7 @@ Counts count_all(const Hierarchy& hierarchy) {
   return counts;
 }
 
-// `reported` says what was found when the mesh was read.
+// `reported` tells what was found when the mesh was read.
 void print(const Options& options, Json result, const MeshReport& reported) {
   if (const auto advice = repair_advice(reported)) result["advice"] = *advice;
   result["report"] = to_json(reported);

@@ -12,11 +12,11 @@ namespace {
 
 constexpr int signals[] = {SIGINT, SIGTERM};
 
-// What the handler reads: it runs between any two instructions, on any thread.
+// The handler reads these. It runs between any two instructions, on any thread.
 std::atomic<int> noted_signal = 0;
 std::atomic<bool> only_note = false;
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
-std::array<char, 128> last_words;  // what the handler prints; ends with a line break
+std::array<char, 128> last_words;  // the handler prints it; ends with a line break
 std::size_t last_words_size = 0;
 
 std::string message;  // "build: was cancelled"

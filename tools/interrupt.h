@@ -1,6 +1,6 @@
-// What SIGINT (Ctrl-C) and SIGTERM do to a command that writes a file: they end it at once while it has not begun to
-// write, as nothing has to be undone then; while it writes, they end it after the current block, which removes what is
-// half written and leaves the old file; once the file is in place they come too late and the command ends as usual.
+// Handles SIGINT (Ctrl-C) and SIGTERM in a command that writes a file. Before it writes, they end it at once, since
+// there is nothing to undo. While it writes, they end it after the current block, which removes the half-written file
+// and keeps the old one. Once the file is in place they are too late, and the command ends as usual.
 #pragma once
 
 #include <cstddef>
@@ -17,18 +17,18 @@ namespace occlod::tool {
 class Interrupted : public std::exception {
  public:
   [[nodiscard]] const char* what() const noexcept override;  // "build: was cancelled"
-  [[nodiscard]] int exit_code() const noexcept;              // 128 + the signal's number, as shells have it
+  [[nodiscard]] int exit_code() const noexcept;              // 128 + the signal's number, as in shells
 };
 
-// From now on signals are handled in this way. Once a process. A signal that the parent has set to be ignored
-// (nohup, background jobs of scripts) stays ignored.
+// Installs the handlers, once per process. A signal that the parent ignores (nohup, background jobs of scripts) stays
+// ignored.
 void handle_interrupts(const std::string& command);
 
-// From now on a signal is only noted; throws Interrupted when one has been.
+// From now on signals are only recorded. Throws Interrupted when one has been.
 void note_interrupts();
 
 // Calls write(), which writes one file of about `bytes` (0 = unknown) through an AtomicFile, so that signals can end
-// it, and shows how far it is.
+// it, and shows its progress.
 template <class Write>
 void write_interruptibly(const std::string& file, std::size_t bytes, Progress& progress, const Write& write) {
   const WriteMonitor monitor([&](std::uint64_t written) {

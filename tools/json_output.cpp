@@ -73,7 +73,7 @@ Json counts_of(const Hierarchy& hierarchy) {
           {"error_bound", hierarchy.error_bound()}};
 }
 
-// Names of files need not be UTF-8, JSON has to be.
+// Replaces bytes that are not UTF-8, which names of files may have and JSON may not.
 void print_json(const Json& object) { fmt::print("{}\n", object.dump(2, ' ', false, Json::error_handler_t::replace)); }
 
 void print_lines(const Json& object) {

@@ -28,8 +28,8 @@ constexpr int exit_wrong_use = 2;
 constexpr const char* out_of_memory =
     "memory: not enough for this; end other programs, raise the limit or use a smaller mesh";
 
-// `error` is thrown by `command`, the innermost that was given. CLI11 does not say what was typed instead of a command,
-// and names values by their type.
+// Describes an `error` of `command`, the innermost that was given. CLI11 does not report what was typed instead of a
+// command, and names values by their type.
 std::string what_is_wrong(const CLI::App& app, const CLI::App& command, const CLI::ParseError& error) {
   const std::string text = error.what();
   const std::vector<std::string> unknown = app.remaining(true);
@@ -64,7 +64,7 @@ int wrong_use(const CLI::App& app, const CLI::ParseError& error) {
 }
 
 #ifndef OCCLOD_HAS_CGAL
-// A command that says why it is not there.
+// Adds a command that only explains why it is missing.
 void add_without_cgal(CLI::App& app, const std::string& name) {
   CLI::App& command = *app.add_subcommand(name, "Left out: this program was built without CGAL");
   command.allow_extras()->fallthrough(false);
@@ -74,7 +74,7 @@ void add_without_cgal(CLI::App& app, const std::string& name) {
 }
 #endif
 
-// What --help and --version ask for.
+// Prints the answer to --help and --version.
 void print_answer(const CLI::App& app, const CLI::ParseError& call) {
   std::ostringstream text;
   app.exit(call, text);
@@ -112,7 +112,7 @@ int run(int argc, char** argv) {
   add_without_cgal(app, "compare");
   add_without_cgal(app, "repair");
 #endif
-  app.footer(  // after the commands, which would have it too
+  app.footer(  // must follow the commands, which would inherit it
       "For example:\n"
       "  occlod build statue.ply -o statue.olod\n"
       "  occlod render statue.olod --budget 10000 --png statue.png");

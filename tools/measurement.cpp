@@ -8,7 +8,7 @@
 namespace occlod::tool {
 namespace {
 
-// Of at least one value; the mean of the two in the middle of an even number.
+// Returns the median of at least one value; for an even number the mean of the middle two.
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t half = values.size() / 2;

@@ -1,4 +1,4 @@
-// Refines and draws views of the same objects, one after the other, and takes the time.
+// Refines, draws and times views of the same objects one after the other.
 #pragma once
 
 #include <span>
@@ -13,7 +13,7 @@
 
 namespace occlod::tool {
 
-// Medians over all repetitions.
+// Holds medians over all repetitions.
 struct RenderTimes {
   double refine_ms = 0.0;
   double occlusion_ms = 0.0;
@@ -22,17 +22,17 @@ struct RenderTimes {
   [[nodiscard]] double frame_ms() const { return refine_ms + occlusion_ms + draw_ms; }
 };
 
-// How a view follows the one before: not at all (Refiner::refine()), or as the next frame (Refiner::update()).
+// Tells how a view follows the previous one: not at all (Refiner::refine()), or as the next frame (Refiner::update()).
 enum class Following { none, frame_to_frame };
 
-// One Refiner and one item buffer for all views. `objects` outlive it.
+// Uses one Refiner and one item buffer for all views. `objects` must outlive it.
 class Measurement {
  public:
   explicit Measurement(const std::vector<LoadedObject>& objects, Following following = Following::none);
 
   // Forgets earlier times.
   void begin();
-  // One more repetition; what the accessors tell is that of the last one. Frame to frame each is one more frame.
+  // Repeats once more; the accessors then refer to that repetition. Frame to frame, each repetition is one more frame.
   void repeat(const View& view, const RefineOptions& options, Visibility& visibility);
   void repeat(const View& view, const RefineOptions& options, AutoRefiner& refiner);
 
@@ -51,7 +51,7 @@ class Measurement {
   Following following_;
   Refiner refiner_;
   const Refinement* refinement_ = nullptr;
-  std::vector<MorphedPositions> morphed_;  // for each object, once there are geomorphs to draw
+  std::vector<MorphedPositions> morphed_;  // per object, once there are geomorphs to draw
   std::vector<DrawObject> drawn_;
   ItemBuffer items_;
   std::vector<double> refine_ms_;

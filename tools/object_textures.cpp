@@ -12,7 +12,7 @@
 namespace occlod::tool {
 namespace {
 
-// Names of files made on other systems have backslashes.
+// Accepts names of files from other systems, which have backslashes.
 std::filesystem::path path_of(std::string name) {
   std::replace(name.begin(), name.end(), '\\', '/');
   return name;
@@ -23,7 +23,7 @@ Image image_of(const Texture& texture, const std::filesystem::path& folder) {
   return read_image(folder / path_of(texture.file));
 }
 
-// What was asked for is there.
+// Throws Error when what was asked for is missing.
 void check(TextureChoice choice, bool has_image, const std::string& name) {
   if (choice == TextureChoice::checker && !has_image)
     throw Error({name, "--texture", "has no texture coordinates", "leave the option out"});

@@ -1,4 +1,4 @@
-// The images of meshes, read and decoded, ready to be drawn.
+// Reads and decodes the images of meshes, ready to be drawn.
 #pragma once
 
 #include <filesystem>
@@ -23,28 +23,29 @@ namespace occlod::tool {
 
 enum class TextureChoice {
   automatic,  // those of the files, as far as they are found
-  file,       // those of the files; one that is missing is a mistake
-  checker,    // a checker on all that has texture coordinates
+  file,       // those of the files; a missing one is an error
+  checker,    // a checker on everything that has texture coordinates
   none
 };
 
-// --texture. `what`: the outputs that have them.
+// Adds --texture. `what` names the outputs that show textures.
 void add_texture_option(CLI::App& command, TextureChoice& choice, const std::string& what);
 
-// Told in one line of an image that is left out.
+// Is called with one line about each image that is left out.
 using TextureNote = std::function<void(const std::string& line)>;
 
-// Of one mesh or hierarchy. What texture() returns lives as long as this.
+// Holds the textures of one mesh or hierarchy. The result of texture() is valid as long as this object.
 class ObjectTextures {
  public:
-  // folder: of the file, where the names of its images start. Keeps views of the arrays. Throws Error with `file` only.
+  // `folder` is that of the file, to which the names of its images are relative. Keeps views of the arrays. Throws
+  // Error with `file` only.
   ObjectTextures(const TriangleMesh& mesh, const std::filesystem::path& folder, TextureChoice choice,
                  const TextureNote& note);
   ObjectTextures(const HierarchyView& hierarchy, const std::filesystem::path& folder, TextureChoice choice,
                  const TextureNote& note);
   ObjectTextures(const WalkedObject& object, const std::filesystem::path& folder, TextureChoice choice,
                  const TextureNote& note);
-  // Only materials(): each node has texture coordinates of its own.
+  // This provides only materials(), because each node has texture coordinates of its own.
   ObjectTextures(const hlod::HlodView& hlod, const std::filesystem::path& folder, TextureChoice choice,
                  const TextureNote& note);
   ~ObjectTextures() = default;
@@ -53,7 +54,7 @@ class ObjectTextures {
 
   [[nodiscard]] std::span<const DrawMaterial> materials() const { return materials_; }
   [[nodiscard]] ObjectTexture texture() const { return {coordinates_, vertex_materials_, materials_}; }
-  // Whether an image is drawn.
+  // Returns whether an image is drawn.
   [[nodiscard]] bool has_image() const;
 
  private:
@@ -67,18 +68,19 @@ class ObjectTextures {
 
   std::span<const glm::vec2> coordinates_;
   std::span<const MaterialId> vertex_materials_;
-  std::vector<MaterialId> own_materials_;  // by wedge, of a mesh
+  std::vector<MaterialId> own_materials_;  // per wedge of a mesh
   std::vector<DrawMaterial> materials_;
   std::vector<std::shared_ptr<const TextureImage>> images_;
 };
 
-// Of all objects of a scene, in their order; objects with one hierarchy share theirs. Notes go to standard error.
+// Holds the textures of all objects of a scene, in their order; objects with one hierarchy share them. Prints notes on
+// standard error.
 class SceneTextures {
  public:
-  // Throws Error as ObjectTextures does, and when no object has what `checker` or `file` needs.
+  // Throws Error like ObjectTextures, and when no object has what `checker` or `file` needs.
   SceneTextures(const std::vector<LoadedObject>& objects, TextureChoice choice);
 
-  // One for each object; empty when none has a texture or material.
+  // Returns one per object; none when no object has a texture or material.
   [[nodiscard]] std::span<const ObjectTexture> textures() const { return textures_; }
 
  private:
@@ -86,13 +88,13 @@ class SceneTextures {
   std::vector<ObjectTexture> textures_;
 };
 
-// The same of HLODs.
+// Holds the textures of HLODs.
 class HlodTextures {
  public:
-  // `folder`: of the scene, for objects that were flattened. Throws Error as SceneTextures does.
+  // `folder` is that of the scene, for objects that were flattened. Throws Error like SceneTextures.
   HlodTextures(const std::vector<LoadedHlod>& hlods, const std::filesystem::path& folder, TextureChoice choice);
 
-  // One for each HLOD; empty when none has a texture or material.
+  // Returns one entry per HLOD; none when no HLOD has a texture or material.
   [[nodiscard]] std::span<const std::span<const DrawMaterial>> materials() const { return materials_; }
 
  private:
@@ -100,13 +102,14 @@ class HlodTextures {
   std::vector<std::span<const DrawMaterial>> materials_;
 };
 
-// Of what a frame of a walk draws.
+// Holds the textures of what a frame of a walk draws.
 class WalkTextures {
  public:
-  // `folders`: of the meshes, by object, as far as they are known. The frame outlives this. Notes go to standard error.
+  // `folders` are those of the meshes, per object, as far as known. The frame must outlive this object. Prints notes on
+  // standard error.
   WalkTextures(const WalkedFrame& frame, std::span<const std::filesystem::path> folders);
 
-  // One for each range; nothing when no object has a texture or material. As long as this.
+  // Returns one per range, valid as long as this object; none when no object has a texture or material.
   [[nodiscard]] std::vector<ObjectTexture> of(std::span<const DrawRange> ranges) const;
 
  private:

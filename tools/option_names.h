@@ -1,4 +1,4 @@
-// What options are called on the command line and in every report.
+// Names the values of options on the command line and in reports.
 #pragma once
 
 #include "occlod/cell_builder.h"

@@ -36,7 +36,7 @@ CLI::Validator validator(const Range& range) {
   const auto check = [range](std::string& text) -> std::string {
     Number value{};
     if (parse(text, value) && value >= range.low && value <= range.high) {
-      text = fmt::format("{}", value);  // "010" is ten for everybody
+      text = fmt::format("{}", value);  // so that "010" is ten everywhere
       return "";
     }
     return shown(text) + " is not " + text_of(range);

@@ -1,5 +1,5 @@
-// What options take. A value is checked before CLI11 converts it, which takes "-1" for a large size and "" for 0: what
-// is not allowed is refused in one line with the option, the value and the range.
+// Checks the values of options before CLI11 converts them, which takes "-1" for a large number and "" for 0. Invalid
+// values are refused in one line with the option, the value and the range.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -19,7 +19,7 @@ struct WholeRange {
 
 struct RealRange {
   double low = 0.0;
-  double high = std::numeric_limits<double>::infinity();  // which is not a value itself
+  double high = std::numeric_limits<double>::infinity();  // not a value itself
 };
 
 // Triangles, splits, vertices and edges of one mesh are numbered with 32 bits.
@@ -27,22 +27,22 @@ inline constexpr std::uint64_t max_elements = std::numeric_limits<std::uint32_t>
 
 inline constexpr std::uint64_t max_threads = 1024;
 
-// For CLI::Option::transform(). Numbers are decimal and finite.
+// These are for CLI::Option::transform(). Numbers are decimal and finite.
 [[nodiscard]] CLI::Validator in_range(WholeRange range);
 [[nodiscard]] CLI::Validator in_range(RealRange range);
 [[nodiscard]] CLI::Validator not_empty();
-// CLI11 takes what follows an option for its value, whatever it looks like.
+// This is needed because CLI11 takes whatever follows an option for its value.
 [[nodiscard]] CLI::Validator file_name();
 [[nodiscard]] CLI::Validator one_of(const std::vector<std::string>& words);
 
-// For values that have parts. Decimal digits and nothing else, or nothing.
+// Parses a part of a value, which must consist of decimal digits only; returns nothing for other text.
 [[nodiscard]] std::optional<std::uint64_t> whole_number(const std::string& text);
-// Bytes: such digits, and K, M or G for 1,024, 1,024^2 or 1,024^3 of them, or nothing.
+// Parses bytes: digits, optionally with K, M or G for 1,024, 1,024^2 or 1,024^3; returns nothing for other text.
 [[nodiscard]] std::optional<std::uint64_t> byte_count(const std::string& text);
-// For messages: in quotes, cut short, control characters as '?'.
+// Returns the value for messages: in quotes, cut short, with control characters as '?'.
 [[nodiscard]] std::string shown(const std::string& value);
 
-// `value` keeps what it has when the option is not given.
+// `value` is unchanged when the option is not given.
 template <class Value, class Range>
 CLI::Option* add_number(CLI::App& command, const std::string& name, Value& value, Range range,
                         const std::string& about) {
@@ -61,7 +61,7 @@ CLI::Option* add_file(CLI::App& command, const std::string& option, Name& name, 
       ->type_name(option.front() == '-' ? "FILE" : "");
 }
 
-// One of some words. Help shows them all, and the one that `value` has now.
+// Adds an option that takes one of some words. Help shows them all, and the one that `value` has now.
 template <class Value>
 CLI::Option* add_choice(CLI::App& command, const std::string& name, Value& value,
                         const std::vector<std::pair<std::string, Value>>& choices, const std::string& about) {

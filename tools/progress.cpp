@@ -13,7 +13,7 @@ namespace {
 
 constexpr double bar_interval_ms = 100.0;
 constexpr double line_interval_ms = 1000.0;
-constexpr double min_ms = 1000.0;  // rates of less time are noise
+constexpr double min_ms = 1000.0;  // rates over less time are noise
 
 const std::string wipe_line = "\r\x1b[K";
 

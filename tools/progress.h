@@ -1,4 +1,4 @@
-// How far a command is, on standard error: a bar that is drawn over and over on a terminal, lines elsewhere.
+// Shows the progress of a command on standard error: a bar that is redrawn on a terminal, lines elsewhere.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace occlod::tool {
 
-enum class ShowProgress { always, automatic, never };  // automatic: where standard error is a terminal
+enum class ShowProgress { always, automatic, never };  // automatic: if standard error is a terminal
 
 class Progress {
  public:
@@ -18,20 +18,20 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // `done` in [0, 1], nothing where it cannot be known; another `what` begins a new stage. `triangles`: how many the
-  // whole stage works on, for the rate; 0 = tell none.
+  // Shows the share `done` in [0, 1]; nothing means unknown. Another `what` begins a new stage. `triangles` is the
+  // number that the whole stage works on, for the rate; 0 shows none.
   void show(const std::string& what, std::optional<double> done, std::size_t triangles = 0);
-  void clear();  // wipes the bar, for what is printed next
+  void clear();  // removes the bar before other output
 
  private:
   [[nodiscard]] bool is_due(bool new_stage) const;
 
   bool is_terminal_;
   bool is_shown_;
-  std::string what_;  // the stage; empty = none yet
+  std::string what_;  // the stage; empty: none yet
   Stopwatch stage_;
-  std::optional<Stopwatch> since_line_;  // since something was printed
-  bool has_bar_ = false;                 // on the screen now
+  std::optional<Stopwatch> since_line_;  // since the last output
+  bool has_bar_ = false;                 // currently on the screen
 };
 
 }  // namespace occlod::tool

@@ -1,4 +1,4 @@
-// How the views of one command are refined: always by the same backend, or with the effects that pay in each view.
+// Refines the views of one command: always with the same backend, or with the effects that pay off in each view.
 #pragma once
 
 #include <filesystem>
@@ -16,24 +16,24 @@
 
 namespace occlod::tool {
 
-// `--occlusion auto`.
+// Holds the options of `--occlusion auto`.
 struct AutoWayOptions {
-  std::filesystem::path calibration;       // read; empty = measured
-  std::filesystem::path save_calibration;  // written; empty = not
+  std::filesystem::path calibration;       // to read; empty: measured
+  std::filesystem::path save_calibration;  // to write; empty: not written
 };
 
 class RefineWay {
  public:
-  // With options.occlusion == "auto" by AutoRefiner. Throws Error as make_backend() and read_calibration() do.
+  // Uses AutoRefiner if options.occlusion is "auto". Throws Error like make_backend() and read_calibration().
   RefineWay(const std::vector<LoadedObject>& objects, const BackendOptions& options,
             const AutoWayOptions& auto_options);
 
   [[nodiscard]] std::string name() const;  // of the backend, or "auto"
   [[nodiscard]] const Json& gl() const { return gl_; }
-  // One more repetition.
+  // Repeats once more.
   void repeat(Measurement& measurement, const View& view, const RefineOptions& options);
 
-  // What refined the last view: the same options with the effects that were on, and the backend that was asked.
+  // Returns the options of the last view with the effects that were on; visibility() returns the backend that was used.
   [[nodiscard]] RefineOptions fixed(const RefineOptions& options) const;
   [[nodiscard]] Visibility& visibility();
   [[nodiscard]] const AutoRefiner* chooser() const { return auto_.get(); }  // null unless auto

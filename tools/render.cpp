@@ -1,5 +1,5 @@
-// occlod render SCENE.json|MESH|FILE.olod: refines one view, or every frame of a camera path, and measures, draws or
-// saves what comes of it.
+// Implements `occlod render SCENE.json|MESH|FILE.olod`: refines one view, or every frame of a camera path, and
+// measures, draws or saves the result.
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
@@ -79,8 +79,8 @@ void render_view(const RenderInput& input, const RenderOptions& options, RefineW
   print_ways(ways);
 }
 
-// Choosing takes looks that pay over a path and not in a single view.
-// From frame to frame occlusion costs so little that it is asked about in any case unless a choice is asked for.
+// Choosing effects costs trial views, which pay off over a path but not in a single view. From frame to frame occlusion
+// is so cheap that it is always used unless a choice is asked for.
 std::string default_occlusion(const RenderOptions& options) {
   const AutoWayOptions& way = options.auto_way;
   const bool is_asked_for = options.explain || !way.calibration.empty() || !way.save_calibration.empty();
@@ -113,7 +113,7 @@ void check_files(const RenderOptions& options, const SceneDescription& scene) {
   if (!options.mesh.empty()) files.add_mesh_output("--mesh", options.mesh);
 }
 
-// Images that meshes name are read too.
+// Checks the images that meshes name, which are read too.
 void check_images(const RenderOptions& options, const RenderInput& input) {
   CommandFiles files;
   for (const LoadedObject& object : input.objects)
@@ -128,7 +128,7 @@ void run(const RenderOptions& options) {
   const BackendOptions backend = backend_options(options);
   const SceneDescription scene = describe_render_input(options.input);
   check_files(options, scene);
-  if (backend.occlusion != "auto") (void)make_backend(backend);  // before much is read and built
+  if (backend.occlusion != "auto") (void)make_backend(backend);  // fails before much is read and built
   const RenderInput input = load_render_input(options.input, scene);
   std::vector<LoadedHlod> hlods;  // to compare with
   if (options.explain) hlods = load_hlods_of(scene, options.input.file.parent_path(), options.input.use_cache);

@@ -1,4 +1,4 @@
-// What `occlod render` is given: a scene file, or a single mesh or hierarchy with a camera that sees all of it.
+// Loads what `occlod render` is given: a scene file, or a single mesh or hierarchy with a camera that sees all of it.
 #pragma once
 
 #include <filesystem>
@@ -21,21 +21,21 @@ struct RenderInput {
   std::string name;
   std::vector<LoadedObject> objects;
   Camera camera;
-  std::optional<CameraPath> path;  // when one was asked for; `camera` is its first frame then
+  std::optional<CameraPath> path;  // if one was asked for; then `camera` is its first frame
   std::string path_name;
 };
 
-// What a scene file says; for a mesh or a hierarchy, a scene of that one object. Throws Error.
+// Returns the content of a scene file, or a scene of the one mesh or hierarchy. Throws Error.
 [[nodiscard]] SceneDescription describe_render_input(const RenderInputOptions& options);
-// Those that load_render_input() may read.
+// Returns the files that load_render_input() may read.
 [[nodiscard]] std::vector<std::filesystem::path> mesh_files(const RenderInputOptions& options,
                                                             const SceneDescription& scene);
 
-// Reads and builds. Shows progress and notes on standard error. Throws Error as load_objects() does.
+// Reads and builds objects. Shows progress and notes on standard error. Throws Error like load_objects().
 [[nodiscard]] std::vector<LoadedObject> load_objects_of(const SceneDescription& scene,
                                                         const std::filesystem::path& folder, bool use_cache);
 
-// The same, with where it is seen from.
+// Reads and builds objects, and chooses from where they are seen.
 [[nodiscard]] RenderInput load_render_input(const RenderInputOptions& options, const SceneDescription& scene);
 [[nodiscard]] RenderInput load_render_input(const RenderInputOptions& options);
 

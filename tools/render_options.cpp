@@ -12,7 +12,7 @@
 namespace occlod::tool {
 namespace {
 
-constexpr std::uint64_t max_triangles = 1'000'000'000'000;  // of a scene: its objects may share hierarchies
+constexpr std::uint64_t max_triangles = 1'000'000'000'000;  // of a scene, whose objects may share hierarchies
 constexpr std::uint64_t max_frames = 1'000'000;
 
 void add_input_options(CLI::App& command, RenderOptions& options) {
@@ -77,7 +77,7 @@ void add_auto_options(CLI::App& command, RenderOptions& options) {
       "would be the faster way to the same error; with --json the latter only, as the rest is told in any case");
 }
 
-// A frame that is refined again is the frame after it: there is nothing to repeat.
+// A frame that is refined again would be the next frame, so it cannot be repeated.
 void add_following_options(CLI::App& command, RenderOptions& options) {
   RefineOptions& refine = options.refine;
   command.option_defaults()->group("Frame to frame (with --frame-to-frame)");

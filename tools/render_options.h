@@ -1,4 +1,4 @@
-// The options of `occlod render`.
+// Declares the options of `occlod render`.
 #pragma once
 
 #include <string>
@@ -19,20 +19,20 @@ namespace occlod::tool {
 struct RenderOptions {
   RenderInputOptions input;
   RefineOptions refine;
-  BackendOptions backend;  // `occlusion` is empty when it is not given
+  BackendOptions backend;  // `occlusion` is empty if it is not given
   AutoWayOptions auto_way;
   bool explain = false;
   std::string png;
   std::string birdseye;
   std::string mesh;
-  TextureChoice texture = TextureChoice::automatic;  // of png and reference
+  TextureChoice texture = TextureChoice::automatic;  // in png and reference
   bool reference = false;
   bool frame_to_frame = false;
   int repeat = 1;
   bool json = false;
 };
 
-// `options` outlives the command.
+// `options` must outlive the command.
 void add_render_options(CLI::App& command, RenderOptions& options);
 
 }  // namespace occlod::tool

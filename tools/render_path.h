@@ -1,4 +1,4 @@
-// occlod render --path: every frame of a camera path, one after the other.
+// Implements occlod render --path: every frame of a camera path, one after the other.
 #pragma once
 
 #include <filesystem>
@@ -15,20 +15,20 @@
 namespace occlod::tool {
 
 struct PathOutput {
-  std::string png;  // frame i of view.png becomes view_0000i.png; empty = no pictures
+  std::string png;  // frame i of view.png becomes view_0000i.png; empty: no pictures
   Following following = Following::none;
   int repeat = 1;  // 1 when following
   bool json = false;
   bool explain = false;
-  std::span<const ObjectTexture> textures = {};   // of the pictures; one for each object, or empty
-  std::span<const hlod::PlacedHlod> beside = {};  // unless empty, HLODs of the scene to compare with at the end
+  std::span<const ObjectTexture> textures = {};   // of the pictures; one per object, or empty
+  std::span<const hlod::PlacedHlod> beside = {};  // HLODs of the scene to compare with at the end, unless empty
 };
 
-// Refines with one Refiner, frame by frame, the cameras of camera_at(*input.path, frame), and prints for each of them
-// what came of it: a table for people, or one JSON object with an array `frames`.
+// Refines the frames camera_at(*input.path, frame) with one Refiner, and prints the results of each: a table for
+// people, or one JSON object with an array `frames`.
 void render_path(const RenderInput& input, const RefineOptions& options, RefineWay& way, const PathOutput& output);
 
-// "folder/view.png", 7 -> "folder/view_00007.png": five digits, more where a frame needs them.
+// Maps "folder/view.png", 7 to "folder/view_00007.png": five digits, more where a frame needs them.
 [[nodiscard]] std::filesystem::path numbered(const std::filesystem::path& file, int frame);
 
 }  // namespace occlod::tool

@@ -38,7 +38,7 @@ Json asked_of(const RenderInput& input, const RefineOptions& options, const Refi
   if (!way.gl().is_null()) report["gl"] = way.gl();
   report["budget"] = options.budget;
   report["tolerance_px"] = options.tolerance_px;
-  if (way.chooser() != nullptr)  // what it chooses is told view by view
+  if (way.chooser() != nullptr)  // its choice is reported for each view
     report["calibration"] = Json::parse(calibration_json(way.chooser()->calibration()));
   return report;
 }

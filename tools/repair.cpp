@@ -1,4 +1,4 @@
-// occlod repair MESH -o OUT
+// Implements `occlod repair MESH -o OUT`.
 #include "repair/repair.h"
 
 #include <fmt/format.h>
@@ -72,8 +72,7 @@ Json topology_of(const TriangleMesh& mesh, const MeshReport& report) {
   return topology;
 }
 
-// `after` takes vertices at one place for different ones, as the file has them; `after_welding` is what the next reader
-// that welds will have.
+// `after` counts vertices at one place as different, as in the file. `after_welding` is what a reader that welds gets.
 Json report_of(const Options& options, const CleanMesh& input, const RepairedMesh& repaired) {
   MeshReport after;
   count_topology(repaired.mesh, after);

@@ -1,4 +1,4 @@
-// When `occlod repair` would change a mesh.
+// Tells when `occlod repair` would change a mesh.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@
 
 namespace occlod::tool {
 
-// One line, or nothing when a repair would fix nothing that the report counts. Edges and vertices that are not manifold
-// are no reason: taking them apart is undone by welding, and hierarchies are built from them as they are.
+// Returns one line, or nothing when a repair would fix nothing that the report counts. Edges and vertices that are not
+// manifold do not count: welding would undo taking them apart, and hierarchies are built from them as they are.
 [[nodiscard]] std::optional<std::string> repair_advice(const MeshReport& report);
 
 }  // namespace occlod::tool

@@ -1,4 +1,4 @@
-// Disks that are slower than this machine's, for walks through view cells.
+// Simulates slower disks for walks through view cells.
 #pragma once
 
 #include <cstdint>
@@ -8,18 +8,18 @@
 
 namespace occlod::tool {
 
-// How fast a disk is.
+// Describes the speed of a disk.
 struct DiskSpeed {
   double bytes_per_second = 100e6;  // > 0
-  double latency_seconds = 5e-3;    // of each read, >= 0
+  double latency_seconds = 5e-3;    // per read, >= 0
 };
 
-// `reader`, after waiting as long as this disk would take for what the node adds. `wait`: called with seconds, on the
-// thread that reads; it sleeps, or moves a clock of its own. The file outlives the reader.
+// Returns `reader` with a wait before it for as long as this disk would take to read what the node adds. `wait` is
+// called with seconds on the reading thread; it sleeps, or advances a clock. The file must outlive the reader.
 [[nodiscard]] CellReader throttled(CellReader reader, const VlodFile& file, const DiskSpeed& disk,
                                    std::function<void(double seconds)> wait);
 
-// The same for WalkOptions::before_geometry.
+// Returns the same wait for WalkOptions::before_geometry.
 [[nodiscard]] std::function<void(std::uint64_t bytes)> throttled_geometry(const DiskSpeed& disk,
                                                                           std::function<void(double seconds)> wait);
 

@@ -10,7 +10,7 @@ namespace occlod::tool {
 namespace {
 
 void print_line(const char* kind, std::string_view line) noexcept {
-  // In one piece, so that lines of several processes do not mix; fprintf() needs no memory.
+  // The line is printed at once, so that lines of several processes do not mix; fprintf() needs no memory.
   static_cast<void>(std::fprintf(stderr, "occlod: %s: %.*s\n", kind, static_cast<int>(line.size()), line.data()));
 }
 
@@ -19,7 +19,8 @@ void print_line(const char* kind, std::string_view line) noexcept {
 void reserve_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(stream, F_GETFD) != -1 || errno != EBADF) continue;
-    // Opened the other way round, so that using it fails as before. open() gives the lowest free number: this one.
+    // Opened for the wrong direction, it fails in use as before. open() returns the lowest free number, which is this
+    // one.
     static_cast<void>(open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY));
   }
 }

@@ -1,4 +1,4 @@
-// Standard output and standard error, which may be closed or full.
+// Copes with standard output and standard error that are closed or full.
 #pragma once
 
 #include <string_view>
@@ -8,16 +8,16 @@
 
 namespace occlod::tool {
 
-// Call first in main(). Where a standard stream is closed, its number would go to the next file that is opened, and
-// what is printed into that file. Takes the number up instead; writing to the stream still fails.
+// Call this first in main(). If a standard stream is closed, the next file that is opened would get its number, and the
+// output too. This occupies the number instead; writing to the stream still fails.
 void reserve_standard_streams();
 
-// What cannot be written to standard error is lost: it must not end a command that does its work.
+// Ignores failures to write to standard error, which must not end a command that does its work.
 void write_to_standard_error(std::string_view text) noexcept;
 void print_error(std::string_view line) noexcept;  // "occlod: error: LINE"
 void print_note(std::string_view line) noexcept;   // "occlod: note: LINE"
 
-// What is printed is the result: a command that loses it has failed. Throws output_error() when what is still kept back
+// Flushes the result of a command, which fails when it loses its output. Throws output_error() when buffered output
 // cannot be written; fmt::print() throws std::system_error when it has to write and cannot.
 void flush_standard_output();
 [[nodiscard]] Error output_error(std::error_code reason);

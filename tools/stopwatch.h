@@ -1,4 +1,4 @@
-// Wall time.
+// Measures wall time.
 #pragma once
 
 #include <chrono>
@@ -10,7 +10,7 @@ class Stopwatch {
   [[nodiscard]] double milliseconds() const {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
   }
-  // The time so far; starts again from 0.
+  // Returns the time so far, in ms, and restarts from 0.
   double restart() {
     const double elapsed = milliseconds();
     *this = {};

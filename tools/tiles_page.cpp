@@ -5,7 +5,7 @@
 namespace occlod::tool {
 namespace {
 
-// @CESIUM@ is replaced. What tests use is window.occlod.
+// @CESIUM@ is replaced. Tests use window.occlod.
 constexpr std::string_view page = R"html(<!doctype html>
 <html lang="en">
 <head>

@@ -1,4 +1,4 @@
-// occlod validate FILE.olod [--input MESH]
+// Implements `occlod validate FILE.olod [--input MESH]`.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

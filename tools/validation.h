@@ -1,4 +1,4 @@
-// What `validate` and `hlod validate` print.
+// Prints the results of `validate` and `hlod validate`.
 #pragma once
 
 #include <string>
@@ -11,12 +11,12 @@ namespace occlod::tool {
 struct Validation {
   std::string file;
   std::vector<std::string> violations;
-  LeftOut left_out;    // of what the file was made from,
-  std::string source;  // which is called this: "mesh"
+  LeftOut left_out;    // of what the file was made from
+  std::string source;  // what it was made from: "mesh"
 };
 
-// A line for each violation, or one that says that the file is valid; or one JSON object. Throws Error where there are
-// violations, after that.
+// Prints a line for each violation, or one that says that the file is valid; or one JSON object. Then throws Error if
+// there are violations.
 void report(const Validation& validation, bool json);
 
 }  // namespace occlod::tool

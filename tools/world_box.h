@@ -1,4 +1,4 @@
-// Where all objects of a scene are.
+// Computes the box of all objects of a scene.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -8,7 +8,7 @@
 
 namespace occlod::tool {
 
-// Along the axes of world space.
+// Is aligned with the axes of world space.
 struct WorldBox {
   glm::dvec3 low;
   glm::dvec3 high;
@@ -17,7 +17,7 @@ struct WorldBox {
   [[nodiscard]] double radius() const;  // of the sphere around it
 };
 
-// Hold the boxes of all objects, of which there is at least one.
+// These need at least one object.
 [[nodiscard]] WorldBox world_box(std::span<const LoadedObject> objects);
 [[nodiscard]] WorldBox world_box(std::span<const LoadedHlod> hlods);
 

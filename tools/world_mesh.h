@@ -1,4 +1,4 @@
-// The refined objects of a scene as one mesh in world space.
+// Joins the refined objects of a scene to one mesh in world space.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace occlod::tool {
 
-// As join_meshes() makes it, to be written to `file`. What no triangle uses is left out.
+// Returns what join_meshes() makes, to be written to `file`, without unused parts.
 [[nodiscard]] TriangleMesh world_mesh(const std::vector<LoadedObject>& objects, const Refinement& refinement,
                                       const std::filesystem::path& file);
 

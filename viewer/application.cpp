@@ -24,14 +24,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Pictures that are drawn after something has happened, before the window sleeps.
+// This many pictures are drawn after something has happened, before the window sleeps.
 constexpr int restless_pictures = 4;
 constexpr double idle_s = 0.5;
 // Dear ImGui lays out windows and tables by the sizes that their contents had in the pictures before.
 constexpr int layout_pictures = 4;
-// A window system may refuse a size without saying so.
+// Limits the wait for a size, which a window system may refuse without notice.
 constexpr double longest_resize_s = 1.0;
-// How long a picture waits for its mesh: small budgets never show one that is out of date, large ones do not stall.
+// Limits the wait of a picture for its mesh: small budgets never show an outdated one, large ones do not stall.
 constexpr double patience_ms = 25.0;
 
 double ms_since(Clock::time_point start) {
@@ -42,7 +42,7 @@ ImTextureID texture_id(GLuint texture) {
   return reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture));  // NOLINT: Dear ImGui's way
 }
 
-// The names of occlusion backends are those of the command line.
+// Uses the command line's names of occlusion backends.
 std::unique_ptr<Visibility> make_visibility(Occlusion occlusion) {
   Settings settings;
   settings.occlusion = occlusion;
@@ -126,7 +126,7 @@ Application::Application(const ApplicationOptions& options) : options_(options) 
   // not set this then: see gl/context.h.
   setenv("LP_NUM_THREADS", "0", 0);
   panels_ = std::make_unique<Panels>(Panels{*session_, {}, 1.0F, {}, false, {}});
-  // Four samples a pixel take a CPU twice as long; who has set them once keeps them.
+  // Four samples per pixel double the CPU's time. A user who has set them keeps them.
   if (window_->is_software()) session_->state().defaults.look.antialias = false;
   if (!remembers_) session_->state().settings = session_->state().defaults;
   window_->on_key = [this](int key, int mods) {
@@ -156,7 +156,7 @@ Application::~Application() {
     remembered_.size = window_->size();
     write_settings(options_.settings_file, session_->state(), remembered_);
   } catch (const std::exception&) {
-    // Nobody is left to be told; the next run starts as this one did.
+    // Nobody is left to be told. The next run starts like this one did.
   }
 }
 
@@ -165,7 +165,7 @@ float Application::scale() const {
   return static_cast<float>(std::clamp(wanted > 0.0 ? wanted : window_->content_scale(), 0.5, 4.0));
 }
 
-// Nothing to wait for while something goes on; a progress bar needs few pictures.
+// Returns 0 while something is in progress. A progress bar needs few pictures.
 double Application::wait_s() const {
   const State& state = session_->state();
   if (input_.is_busy() || calm_pictures_ < restless_pictures) return 0.0;
@@ -180,7 +180,7 @@ bool Application::step() {
   const double wait = wait_s();
   window_->poll(wait);
   const double now = glfwGetTime();
-  // Woken by an event rather than by the clock.
+  // The wait was shorter if an event rather than the clock ended it.
   calm_pictures_ = wait == idle_s && now - before < 0.98 * idle_s ? 0 : calm_pictures_ + 1;
   const double seconds = now - last_time_;
   last_time_ = now;
@@ -293,7 +293,7 @@ bool Application::is_laid_out(const ImageSize& pixels) {
   return laid_out_pictures_ >= layout_pictures;
 }
 
-// Of what has just been drawn, when that is what the state asks for.
+// Captures what has just been drawn, if it is what the state asks for.
 void Application::take_captures() {
   State& state = session_->state();
   const auto& frame = session_->frame();

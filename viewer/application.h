@@ -1,4 +1,4 @@
-// The viewer: a session, a window, and what goes between them for each picture.
+// Connects a session and a window: the viewer.
 #pragma once
 
 #include <filesystem>
@@ -21,11 +21,11 @@ namespace occlod::viewer {
 struct ApplicationOptions {
   std::vector<std::filesystem::path> files;
   std::optional<std::filesystem::path> script;
-  std::filesystem::path settings_file;  // empty = remember nothing
-  std::optional<ImageSize> size;        // of the window, instead of the remembered one
-  std::filesystem::path calibration;    // of this machine, for the setting auto; empty = measured
+  std::filesystem::path settings_file;  // empty: remember nothing
+  std::optional<ImageSize> size;        // of the window, replaces the remembered one
+  std::filesystem::path calibration;    // of this machine, for the setting auto; empty: measured
   bool use_cache = true;
-  std::optional<hlod::CacheOptions> paged;  // of .ohlod files, whose meshes come and go then
+  std::optional<hlod::CacheOptions> paged;  // for .ohlod files, which then load meshes on demand
   bool debug_gl = false;
 };
 
@@ -37,8 +37,8 @@ class Application {
   Application& operator=(const Application&) = delete;
   ~Application();
 
-  // One picture; false when the window is to be closed or the script has ended. Throws Error that names the action of
-  // the script that failed.
+  // Draws one picture. Returns false when the window is to be closed or the script has ended. Throws Error that names
+  // the action of the script that failed.
   bool step();
   void run();
 
@@ -53,7 +53,7 @@ class Application {
   void draw_pictures(const Layout& layout);
   void draw_insets();
   void resize_window();
-  // Nothing that moves panels has happened for some pictures.
+  // Returns whether nothing has moved the panels for some pictures.
   [[nodiscard]] bool is_laid_out(const ImageSize& pixels);
   void take_captures();
   void tell_complaints();
@@ -76,16 +76,16 @@ class Application {
   int calm_pictures_ = 0;  // drawn since something last happened
   struct Resizing {
     ImageSize size;
-    double until = 0.0;  // when the window system has had its time
+    double until = 0.0;  // when the window system has had enough time
   };
-  std::optional<Resizing> resizing_;  // until the window has the size that was asked for
+  std::optional<Resizing> resizing_;  // until the window has the requested size
   struct PanelsOf {
     ImageSize pixels;
     float scale = 0.0F;
     friend bool operator==(const PanelsOf&, const PanelsOf&) = default;
   };
   PanelsOf laid_out_for_;
-  int laid_out_pictures_ = 0;  // drawn alike while a picture with panels waits
+  int laid_out_pictures_ = 0;  // drawn with the same layout while a picture with panels waits
 };
 
 }  // namespace occlod::viewer

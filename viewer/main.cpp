@@ -1,4 +1,4 @@
-// occlod-view [FILE...]: opens the viewer.
+// Implements `occlod-view [FILE...]`, which opens the viewer.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -97,7 +97,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_flag("--debug-gl", arguments.application.debug_gl, "Treat messages of the OpenGL driver as errors");
 }
 
-// "1440x900". No sign, no space, nothing after it.
+// Parses text like "1440x900" without sign, space or anything after it.
 ImageSize parse_size(const std::string& text) {
   ImageSize size;
   const char* const end = text.data() + text.size();
@@ -111,7 +111,7 @@ ImageSize parse_size(const std::string& text) {
   return size;
 }
 
-// It is written at the end.
+// Makes sure that the settings file, which is written at the end, is not an input.
 void check_settings_file(const ApplicationOptions& options) {
   if (options.settings_file.empty()) return;
   std::vector<std::filesystem::path> inputs = options.files;

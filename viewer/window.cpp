@@ -61,9 +61,9 @@ Window::Window(const WindowOptions& options) {
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-  glfwWindowHint(GLFW_DEPTH_BITS, 0);  // pictures are drawn elsewhere and put together here
+  glfwWindowHint(GLFW_DEPTH_BITS, 0);  // pictures are drawn in targets and copied here
   glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, options.debug_gl ? GLFW_TRUE : GLFW_FALSE);
-  // Told when the GPU is reset, where the driver can; see gl::check.
+  // The driver is asked to report resets of the GPU, if it can; see gl::check.
   for (const int robustness : {GLFW_LOSE_CONTEXT_ON_RESET, GLFW_NO_ROBUSTNESS}) {
     glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, robustness);
     window_ = glfwCreateWindow(options.size.width, options.size.height, "occlod", nullptr, nullptr);

@@ -1,4 +1,4 @@
-// A window with OpenGL 3.3 core.
+// Opens a window with OpenGL 3.3 core.
 #pragma once
 
 #include <filesystem>
@@ -17,10 +17,10 @@ namespace occlod::viewer {
 
 struct WindowOptions {
   ImageSize size{1440, 900};
-  bool debug_gl = false;  // ask for a debug context and keep what it complains about
+  bool debug_gl = false;  // ask for a debug context and keep its messages
 };
 
-// One at a time. Throws Error when there is no display or no OpenGL 3.3.
+// Only one may exist at a time. Throws Error when there is no display or no OpenGL 3.3.
 class Window {
  public:
   explicit Window(const WindowOptions& options);
@@ -30,18 +30,18 @@ class Window {
 
   [[nodiscard]] const gl::Functions& functions() const noexcept { return functions_; }
   [[nodiscard]] GLFWwindow* handle() const noexcept { return window_; }
-  // OpenGL is drawn by the CPU.
+  // Returns whether the CPU draws OpenGL.
   [[nodiscard]] bool is_software() const;
   [[nodiscard]] bool wants_to_close() const;
   [[nodiscard]] ImageSize size() const;          // in the units of the mouse
   [[nodiscard]] ImageSize picture_size() const;  // in pixels
-  [[nodiscard]] double content_scale() const;    // as the display says; 1 = 96 dots an inch
+  [[nodiscard]] double content_scale() const;    // the display's; 1: 96 dots per inch
   [[nodiscard]] glm::dvec3 held_keys() const;    // W A S D, Q E: right, up, ahead
   void resize(const ImageSize& size);
   void swap();
-  // Takes what has happened; waits for something to happen at most so long.
+  // Handles events; waits for one for at most this many seconds.
   void poll(double wait_s);
-  // What the driver has complained about since the last call.
+  // Returns the driver's debug messages since the last call.
   [[nodiscard]] std::vector<std::string> take_complaints();
 
   std::function<void(int key, int mods)> on_key;

@@ -23,10 +23,10 @@ glm::dvec3 AreaSampler::position(const SurfacePoint& point) const {
   return at(point.weights, glm::dvec3(positions_[t.x]), glm::dvec3(positions_[t.y]), glm::dvec3(positions_[t.z]));
 }
 
-// 53 random bits in [0, 1): std::uniform_real_distribution may differ between C++ libraries.
+// Returns 53 random bits in [0, 1). std::uniform_real_distribution may differ between C++ libraries.
 double AreaSampler::next_unit(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
-// Uniform in the triangle: Turk, Generating Random Points in Triangles, Graphics Gems 1990.
+// Returns a uniform point of the triangle: Turk, Generating Random Points in Triangles, Graphics Gems 1990.
 glm::dvec3 AreaSampler::weights_in(std::mt19937_64& random) {
   const double s = std::sqrt(next_unit(random)), t = next_unit(random);
   return {1.0 - s, s * (1.0 - t), s * t};

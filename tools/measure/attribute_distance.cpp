@@ -17,8 +17,8 @@
 namespace occlod::measure {
 namespace {
 
-constexpr double tie = 1e-6;  // of the diagonal: points of B that are as near as this are all the nearest
-// A triangle's texture gradient is trusted between this and its inverse times that of the whole mesh.
+constexpr double tie = 1e-6;  // relative to the diagonal: points of B within this of the nearest count as nearest
+// A triangle's texture gradient is trusted between this and its inverse, relative to that of the whole mesh.
 constexpr double min_scale = 1e-3;
 
 struct Corners {
@@ -48,7 +48,7 @@ double diagonal_of(const TriangleMesh& mesh) {
   return glm::distance(low, high);
 }
 
-// Object units for one unit of the texture: the root of the area in space over that in the texture.
+// Returns object units per unit of the texture: the root of the area in space over that in the texture.
 double texture_scale_of(const TriangleMesh& mesh) {
   double area = 0.0, texture_area = 0.0;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -60,15 +60,15 @@ double texture_scale_of(const TriangleMesh& mesh) {
   return area > 0.0 && texture_area > 0.0 ? std::sqrt(area / texture_area) : 1.0;
 }
 
-// How long a step in the texture is on the surface.
+// Measures how long a step in the texture is on the surface.
 class TextureMetric {
  public:
-  // By the triangle's gradient; where its texture has no area, or is stretched beyond reason, by `scale` alone.
+  // Uses the triangle's gradient, or only `scale` where its texture has no area or is stretched beyond reason.
   TextureMetric(const Corners& c, double scale) : gradient_(scale), least_(scale) {
     const glm::dmat2 texture(c.texture[1] - c.texture[0], c.texture[2] - c.texture[0]);
     const double area = texture[0].x * texture[1].y - texture[0].y * texture[1].x;
     const glm::dvec3 u = c.position[1] - c.position[0], v = c.position[2] - c.position[0];
-    // d position / d texture, as coefficients of u and v; then as lengths: the first fundamental form.
+    // This is d position / d texture, as coefficients of u and v; then as lengths: the first fundamental form.
     const glm::dmat2 inverse =
         glm::dmat2(texture[1].y, -texture[0].y, -texture[1].x, texture[0].x) * (area != 0.0 ? 1.0 / area : 0.0);
     const glm::dvec3 ds = inverse[0].x * u + inverse[0].y * v, dt = inverse[1].x * u + inverse[1].y * v;
@@ -85,7 +85,7 @@ class TextureMetric {
     if (gradient_ > 0.0) return gradient_ * glm::length(step);
     return std::sqrt(std::max(glm::dot(step, form_ * step), 0.0));
   }
-  // No step is shorter than this times its length in the texture, up to rounding.
+  // Returns a factor such that no step is shorter than its length in the texture times it, up to rounding.
   [[nodiscard]] double least() const { return 0.999'999 * least_; }
 
  private:
@@ -94,7 +94,7 @@ class TextureMetric {
   double least_;
 };
 
-// Of B's materials, the numbers of A's with the same names.
+// Returns, for B's materials, the numbers of A's with the same names.
 std::vector<MaterialId> matched_materials(const TriangleMesh& a, const TriangleMesh& b) {
   std::vector<MaterialId> matched;
   for (std::size_t i = 0; i < b.materials.size(); ++i) {
@@ -107,7 +107,7 @@ std::vector<MaterialId> matched_materials(const TriangleMesh& a, const TriangleM
   return matched;
 }
 
-// What a sample of A is at.
+// Describes a sample of A.
 struct Sample {
   glm::dvec3 position;
   glm::dvec2 texture;
@@ -161,7 +161,7 @@ class Comparison {
     double distance = std::numeric_limits<double>::infinity();
   };
 
-  // One tree by material of A's; one alone when either mesh has no materials.
+  // Makes one tree per material of A; only one if either mesh has no materials.
   void grow_trees() {
     const std::vector<MaterialId> matched = matched_materials(a_, b_);
     std::vector<std::vector<std::uint32_t>> triangles(1);
@@ -193,7 +193,7 @@ class Comparison {
     return nearest;
   }
 
-  // The smallest difference(sample, triangle of B, weights in it) of those that are as near as the nearest.
+  // Returns the smallest difference(sample, triangle of B, weights in it) of those triangles that are nearest.
   template <typename Difference>
   double smallest(const Sample& sample, double distance, const Difference& difference) const {
     const double reach = std::nextafter(distance + tie * diagonal_, std::numeric_limits<double>::infinity());
@@ -237,7 +237,7 @@ class Comparison {
             const glm::dvec2 t = at(weights, c.texture[0], c.texture[1], c.texture[2]);
             least = std::min(least, glm::distance(q, home) + metric.length(t - texture));
           };
-          // The sum is least at one of these, but for rare shapes where both lengths are long.
+          // The sum is least at one of these, except for rare shapes in which both lengths are long.
           try_point(nearest_on_triangle({texture, 0.0}, {c.texture[0], 0.0}, {c.texture[1], 0.0}, {c.texture[2], 0.0})
                         .weights);
           try_point(nearest_on_triangle(home, c.position[0], c.position[1], c.position[2]).weights);
@@ -250,7 +250,7 @@ class Comparison {
     return at(weights, glm::dvec3(mesh.normals[t.x]), glm::dvec3(mesh.normals[t.y]), glm::dvec3(mesh.normals[t.z]));
   }
 
-  // 0 where a normal has no direction. By atan2: acos cannot tell small angles.
+  // Returns 0 where a normal has no direction. acos() cannot resolve small angles, hence atan2().
   [[nodiscard]] double angle_deg(const Sample& sample, std::uint32_t triangle, const glm::dvec3& weights) const {
     const glm::dvec3 a = normal_at(a_, sample.triangle, sample.weights), b = normal_at(b_, triangle, weights);
     return glm::degrees(std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
@@ -283,11 +283,11 @@ class Comparison {
   bool has_materials_;
   bool flip_;
   std::vector<TextureTree> trees_;
-  std::vector<std::size_t> tree_of_;  // by material
+  std::vector<std::size_t> tree_of_;  // per material
   std::size_t samples_ = 0;
-  TextureSlip slip_;             // with the sum of squares as rms
-  AttributeDifference normals_;  // likewise
-  AttributeDifference colors_;   // likewise
+  TextureSlip slip_;             // rms holds the sum of squares
+  AttributeDifference normals_;  // rms holds the sum of squares
+  AttributeDifference colors_;   // rms holds the sum of squares
 };
 
 }  // namespace

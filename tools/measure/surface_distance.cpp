@@ -33,7 +33,7 @@ struct Arrays {
   [[nodiscard]] glm::dvec3 corner(FaceId face, int i) const { return positions[triangles[face][i]]; }
 };
 
-// CGAL's concept AABBPrimitiveWithSharedData: a triangle by its index, its corners looked up in our own arrays.
+// Models CGAL's concept AABBPrimitiveWithSharedData: a triangle by its index, with corners in our own arrays.
 class IndexedTriangle {
  public:
   // The names are the concept's. NOLINTBEGIN(readability-identifier-naming)
@@ -58,13 +58,13 @@ class IndexedTriangle {
   FaceId id_;
 };
 
-// CGAL projects onto the supporting plane, which a triangle without area does not have: the nearest point is ours.
+// Finds nearest points itself, because CGAL projects onto the supporting plane, which a triangle without area lacks.
 class Traits : public CGAL::AABB_traits<Kernel, IndexedTriangle> {
  public:
   class NearestPoint {
    public:
     explicit NearestPoint(const Arrays& arrays) : arrays_(arrays) {}
-    // The nearest point of `triangle`, or `bound` when that is nearer.
+    // Returns the nearest point of `triangle`, or `bound` if it is nearer.
     Point operator()(const Point& p, const IndexedTriangle& triangle, const Point& bound) const {
       const FaceId f = triangle.id();
       const Point nearest =

@@ -1,4 +1,4 @@
-// Finds triangles by where they are in space and in the texture at once.
+// Finds triangles by their places in space and in the texture at once.
 #pragma once
 
 #include <array>
@@ -14,12 +14,12 @@
 
 namespace occlod::measure {
 
-// A box in space and one in the texture, around the same triangles.
+// Holds a box in space and one in the texture, around the same triangles.
 struct TextureBox {
   glm::dvec3 low, high;
   glm::dvec2 texture_low, texture_high;
 
-  // From a point to the box; 0 inside.
+  // Returns the distance from a point to the box; 0 inside.
   [[nodiscard]] double distance(const glm::dvec3& p) const {
     return glm::length(glm::max(glm::max(low - p, p - high), glm::dvec3(0.0)));
   }
@@ -28,18 +28,19 @@ struct TextureBox {
   }
 };
 
-// A tree of boxes over some triangles of a mesh.
+// Holds a tree of boxes over some triangles of a mesh.
 class TextureTree {
  public:
-  // `triangles`: of the mesh, at least one. Without texture coordinates those are 0 everywhere. texture_scale: object
-  // units that weigh as much as one unit of the texture. O(n log n) time, about 90 bytes a triangle.
+  // `triangles` lists at least one triangle of the mesh, whose missing texture coordinates count as 0. `texture_scale`
+  // is the number of object units that weigh as much as one unit of the texture. O(n log n) time, about 90 bytes per
+  // triangle.
   TextureTree(const TriangleMesh& mesh, std::vector<std::uint32_t> triangles, double texture_scale);
 
-  // Calls visit(triangle) for those in boxes whose cost(box) is below bound(), the cheaper of two boxes first. A box
-  // around another never costs more. What is visited may lower the bound.
+  // Calls visit_triangle(triangle) for those in boxes whose cost(box) is below bound(), the cheaper of two boxes first.
+  // A box around another must not cost more. A visit may lower the bound.
   template <typename Cost, typename Bound, typename Visit>
   void visit(const Cost& cost, const Bound& bound, const Visit& visit_triangle) const {
-    std::array<Step, 64> open;  // the tree is as deep as 32 halvings make it
+    std::array<Step, 64> open;  // the tree is no deeper than 32 halvings
     std::size_t size = 0;
     open[size++] = {0, cost(nodes_[0].box)};
     while (size > 0) {
@@ -62,7 +63,7 @@ class TextureTree {
     TextureBox box;
     std::uint32_t first;   // child, or into triangles_
     std::uint32_t second;  // child
-    std::uint32_t count;   // of triangles; 0: two children
+    std::uint32_t count;   // number of triangles; 0: two children
   };
   struct Step {
     std::uint32_t node;

@@ -7,7 +7,7 @@ namespace {
 
 double squared_length(const glm::dvec3& v) { return glm::dot(v, v); }
 
-// How far along from a to b, in [0, 1].
+// Returns the nearest point's place between a and b, in [0, 1].
 double nearest_along(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& ab) {
   const double along = glm::dot(p - a, ab), length = squared_length(ab);
   if (along <= 0.0 || length <= 0.0) return 0.0;
@@ -16,9 +16,8 @@ double nearest_along(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3&
 
 }  // namespace
 
-// Ericson (Real-Time Collision Detection, sec. 5.1.5) tells regions apart by signs that rounding turns round on
-// slivers. Here the sides are always candidates, and the foot on the plane is one when its barycentric coordinates are
-// sound.
+// Ericson (Real-Time Collision Detection, sec. 5.1.5) distinguishes regions by signs that rounding flips on slivers.
+// Here the sides are always candidates, and so is the foot on the plane if its barycentric coordinates are valid.
 TrianglePoint nearest_on_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   const glm::dvec3 ab = b - a, ac = c - a, ap = p - a;
   const glm::dvec3 normal = glm::cross(ab, ac);
@@ -31,7 +30,7 @@ TrianglePoint nearest_on_triangle(const glm::dvec3& p, const glm::dvec3& a, cons
   };
   const double v = glm::dot(glm::cross(ap, ac), normal) / area;
   const double w = glm::dot(glm::cross(ab, ap), normal) / area;
-  // False where the area is 0: not a number.
+  // This is false if the area is 0, which makes the coordinates NaN.
   if (v >= 0.0 && w >= 0.0 && v + w <= 1.0) try_point(a + v * ab + w * ac, {1.0 - v - w, v, w});
   const auto try_side = [&](const glm::dvec3& from, const glm::dvec3& to, const glm::dvec3& at_from,
                             const glm::dvec3& at_to) {

@@ -1,4 +1,4 @@
-// Arrays of numbers as keys of unordered containers.
+// Hashes arrays of numbers, for keys of unordered containers.
 #pragma once
 
 #include <cstddef>

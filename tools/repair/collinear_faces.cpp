@@ -39,14 +39,14 @@ class CollinearFaces {
   }
   [[nodiscard]] bool is_collinear(Face f) const { return is_collinear(mesh_.halfedge(f)); }
 
-  // The side that has the third corner within; corners of a face never lie at one place.
+  // Returns the side that contains the third corner. Corners of a face never lie at one place.
   [[nodiscard]] Halfedge longest_side(Face f) const {
     Halfedge h = mesh_.halfedge(f);
     for (int i = 0; i < 2 && !is_between(mesh_.source(h), apex(h), mesh_.target(h)); ++i) h = mesh_.next(h);
     return h;
   }
 
-  // Not where the corner within is on the border already: two fans would meet there.
+  // Keeps the face if the corner within is already on the border, where two fans would meet.
   void drop(Halfedge longest, RepairCounts& counts) {
     const Halfedge next = mesh_.next(longest), previous = mesh_.prev(longest);
     const bool is_pinched = mesh_.is_border(apex(longest)) && !mesh_.is_border(mesh_.opposite(next)) &&
@@ -58,13 +58,13 @@ class CollinearFaces {
     for (const Face f : beside) wait(f);
   }
 
-  // Each flip leaves fewer faces without area, or as many and edges of a smaller total length: this comes to an end.
+  // Each flip leaves fewer faces without area, or as many and edges of a smaller total length, so flips end.
   void flip(Halfedge longest, RepairCounts& counts) {
     const Halfedge beyond = mesh_.opposite(longest);
     const Vertex a = mesh_.source(longest), c = mesh_.target(longest), b = apex(longest), d = apex(beyond);
     const bool both = is_collinear(beyond);
     if (b == d || point(b) == point(d) || mesh_.halfedge(b, d).is_valid()) return;
-    if (both && !is_between(a, d, c)) return;  // the longest side of the other one has its turn first
+    if (both && !is_between(a, d, c)) return;  // the longest side of the other one comes first
     CGAL::Euler::flip_edge(longest, mesh_);
     counts.zero_area_flipped += both ? 0U : 1U;
     for (const Halfedge side : {longest, mesh_.opposite(longest)}) {
@@ -78,7 +78,7 @@ class CollinearFaces {
   }
 
   HalfedgeMesh& mesh_;
-  std::set<Face> waiting_;  // without area, and something near has changed since it was looked at
+  std::set<Face> waiting_;  // faces without area near which something has changed
 };
 
 }  // namespace

@@ -12,8 +12,8 @@ namespace {
 
 namespace pmp = CGAL::Polygon_mesh_processing;
 
-// Up to so many all triangulations of a border are tried, in cubic time: the best one does not depend on where things
-// lie in memory, as the pieces of a Delaunay triangulation do that are tried for longer borders.
+// Up to this many edges all triangulations of a border are tried, in cubic time. The best one does not depend on memory
+// addresses, unlike the pieces of a Delaunay triangulation that are tried for longer borders.
 constexpr std::size_t max_edges_for_cubic = 256;
 
 bool is_single_triangle(Halfedge border, const HalfedgeMesh& mesh) {

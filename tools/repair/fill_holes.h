@@ -9,9 +9,9 @@
 
 namespace occlod::repair {
 
-// Borders of at most `max_edges` are closed with triangles between their vertices; one that runs round a single
-// triangle stays, and so does one of which CGAL finds no surface. Counts holes_filled, triangles_added and
-// borders_left. `progress` is called with the share done.
+// Closes borders of at most `max_edges` with triangles between their vertices, except a border around a single triangle
+// and those for which CGAL finds no surface. Counts holes_filled, triangles_added and borders_left. `progress` is
+// called with the share done.
 void fill_holes(HalfedgeMesh& mesh, std::size_t max_edges, const std::function<void(double)>& progress,
                 RepairCounts& counts);
 

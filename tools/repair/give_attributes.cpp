@@ -43,7 +43,7 @@ class CornerGiver {
     }
   }
 
-  // A vertex for each corner behind those that are there: form_wedges() makes one of those that agree.
+  // Appends a vertex for each corner; form_wedges() joins those that agree.
   void run() {
     std::vector<Triangle> corners(repaired_.triangle_count());
     for (std::size_t i = 0; i < corners.size(); ++i) give(i, corners[i]);

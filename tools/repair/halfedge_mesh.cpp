@@ -34,7 +34,7 @@ HalfedgeMesh halfedge_mesh_of(const Soup& soup) {
 }
 
 TriangleMesh triangle_mesh_of(HalfedgeMesh mesh, const TriangleMesh& original, std::vector<VertexId>& vertex_sources) {
-  const Sources sources = mesh.add_property_map<Vertex, VertexId>(sources_name).first;  // finds the one that is there
+  const Sources sources = mesh.add_property_map<Vertex, VertexId>(sources_name).first;  // finds the existing one
   TriangleMesh result;
   std::vector<VertexId> new_id(mesh.number_of_vertices() + mesh.number_of_removed_vertices(), no_id);
   const auto take = [&](Vertex v) {

@@ -1,4 +1,4 @@
-// CGAL's half-edge mesh with the way back to the vertices that it was made of.
+// Wraps CGAL's half-edge mesh, with the vertices that it was made of.
 #pragma once
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -20,10 +20,10 @@ using Halfedge = HalfedgeMesh::Halfedge_index;
 using Face = HalfedgeMesh::Face_index;
 using Corners = std::array<std::size_t, 3>;
 
-// A triangle soup, as CGAL wants it.
+// Holds a triangle soup as CGAL wants it.
 struct Soup {
   std::vector<Point> points;
-  std::vector<VertexId> sources;  // the vertex that each point is a copy of
+  std::vector<VertexId> sources;  // per point, the vertex that it is a copy of
   std::vector<Corners> triangles;
 };
 
@@ -31,11 +31,11 @@ using Sources = HalfedgeMesh::Property_map<Vertex, VertexId>;
 
 [[nodiscard]] Soup soup_of(const TriangleMesh& mesh);
 
-// Face i is triangle i, vertex i is point i. The soup must be a manifold in one direction.
+// Makes a mesh whose face i is triangle i and vertex i is point i. The soup must be a consistently oriented manifold.
 [[nodiscard]] HalfedgeMesh halfedge_mesh_of(const Soup& soup);
 
-// The positions of `original` that the vertices come from, which are appended to `vertex_sources`, and the triangles;
-// unused vertices are left out.
+// Returns the triangles, with the positions of `original` that their vertices come from, which are appended to
+// `vertex_sources`. Unused vertices are left out.
 [[nodiscard]] TriangleMesh triangle_mesh_of(HalfedgeMesh mesh, const TriangleMesh& original,
                                             std::vector<VertexId>& vertex_sources);
 

@@ -15,16 +15,16 @@ namespace {
 
 namespace pmp = CGAL::Polygon_mesh_processing;
 
-// CGAL copies it, hence pointers.
+// CGAL copies the visitor, hence pointers.
 struct Recorder : pmp::Default_orientation_visitor {
-  std::vector<bool>* turned;       // of each triangle
-  std::vector<VertexId>* sources;  // of each point
+  std::vector<bool>* turned;       // per triangle
+  std::vector<VertexId>* sources;  // per point
 
   void polygon_orientation_reversed(std::size_t triangle) const { (*turned)[triangle] = true; }
   void duplicated_vertex(std::size_t original, std::size_t /*copy*/) const { sources->push_back((*sources)[original]); }
 };
 
-// Edges of two triangles that run through it in the same direction although all is oriented: no direction is right.
+// Counts edges that two triangles run through in the same direction after orienting: no direction is right for them.
 std::size_t count_unorientable(const Soup& soup, std::size_t vertices) {
   TriangleMesh uncut;
   uncut.positions.resize(vertices);
@@ -35,7 +35,7 @@ std::size_t count_unorientable(const Soup& soup, std::size_t vertices) {
   return report.inconsistent_edges;
 }
 
-// CGAL follows the first triangle of each piece. Turns back the pieces of which that turned more than half.
+// CGAL follows the first triangle of each piece. This turns back the pieces of which that turned more than half.
 std::size_t follow_the_majority(HalfedgeMesh& mesh, const std::vector<bool>& turned) {
   auto piece_of = mesh.add_property_map<Face, std::size_t>("f:piece").first;
   const std::size_t pieces = pmp::connected_components(mesh, piece_of);

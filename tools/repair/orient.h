@@ -1,4 +1,4 @@
-// One direction for each piece of a triangle soup, and no edge or vertex that is not that of a surface.
+// Orients each piece of a triangle soup consistently, and makes all edges and vertices manifold.
 #pragma once
 
 #include "repair/halfedge_mesh.h"

@@ -16,7 +16,7 @@
 namespace occlod::repair {
 namespace {
 
-// Drops triangles for which `is_dropped(t)`, which is asked in their order, and what belongs to them; returns how many.
+// Drops triangles for which `is_dropped(t)`, called in order, is true, with their attributes. Returns how many.
 template <class IsDropped>
 std::size_t drop_triangles(TriangleMesh& mesh, IsDropped is_dropped) {
   std::size_t kept = 0;
@@ -44,7 +44,7 @@ void weld(TriangleMesh& mesh, double distance, RepairCounts& counts) {
 
 bool is_odd(const Triangle& t) { return ((t.x > t.y) != (t.y > t.z)) != (t.z > t.x); }
 
-// Of triangles with the same corners the first stays.
+// Keeps the first of triangles with the same corners.
 void drop_repeated(TriangleMesh& mesh, RepairCounts& counts) {
   using Corners = std::array<VertexId, 3>;
   std::unordered_map<Corners, bool, ArrayHash<Corners>> first_is_odd;

@@ -10,9 +10,9 @@
 namespace occlod::repair {
 namespace {
 
-// Kept vertices in cubes as wide as the distance: what is within it lies in one of 27. Cubes are numbered by whole
-// doubles; where a number is too large for its neighbours to have numbers of their own, floats are farther apart than
-// the distance.
+// Holds kept vertices in cubes as wide as the distance, so that all within it lie in one of 27 cubes. Cubes are
+// numbered by whole doubles. Where numbers are too large to differ from their neighbours', floats are farther apart
+// than the distance.
 class Grid {
  public:
   Grid(const TriangleMesh& mesh, double distance) : mesh_(mesh), distance_(distance) {}

@@ -1,4 +1,4 @@
-// Vertices that are nearly at one place.
+// Finds vertices that are nearly at one place.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,9 @@
 
 namespace occlod::repair {
 
-// For each vertex the one that it is merged into, or itself: the nearest of the earlier vertices that are kept, if that
-// is within `distance` (> 0, object units; the smaller number where two are as near). So no vertex moves farther than
-// `distance`, and those kept are farther apart. Expected O(n).
+// Returns, per vertex, the vertex that it is merged into, or itself: the nearest of the earlier vertices that are kept,
+// if it is within `distance` (> 0, object units; ties by number). So no vertex moves farther than `distance`, and kept
+// vertices are farther apart. Expected O(n).
 [[nodiscard]] std::vector<VertexId> weld_targets(const TriangleMesh& mesh, double distance);
 
 }  // namespace occlod::repair

@@ -10,7 +10,7 @@ namespace {
 
 constexpr glm::u8vec4 nothing{30, 33, 40, 255};
 
-// Near is bright, far is dark, evenly in nearness between the nearest and the farthest.
+// Near is bright, far is dark, linear in nearness between the nearest and the farthest.
 std::vector<glm::u8vec4> greys(const DepthPyramid& pyramid, int level, int width, int height) {
   float low = std::numeric_limits<float>::infinity();
   float high = 0.0F;

@@ -1,4 +1,4 @@
-// One level of the occluder's depth as a grey picture.
+// Shows one level of the occluder's depth as a grey picture.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@ namespace occlod::viewer {
 class DepthTexture {
  public:
   explicit DepthTexture(const gl::Functions& gl);
-  // The last level where there are fewer.
+  // Shows this level, or the last one where there are fewer.
   void show(const std::shared_ptr<const DepthPyramid>& pyramid, int level);
   [[nodiscard]] GLuint texture() const noexcept { return texture_.id(); }
   [[nodiscard]] int level() const noexcept { return level_; }

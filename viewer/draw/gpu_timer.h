@@ -1,4 +1,4 @@
-// How long OpenGL itself takes, learnt a few pictures later.
+// Measures the time that OpenGL itself takes, which is known a few pictures later.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ class GpuTimer {
   explicit GpuTimer(const gl::Functions& gl);
   void begin();
   void end();
-  // Of the last picture that the driver has told of; 0 before.
+  // Returns the time of the last picture whose time is known; 0 before.
   [[nodiscard]] double milliseconds() const noexcept { return milliseconds_; }
 
  private:

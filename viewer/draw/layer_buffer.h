@@ -1,4 +1,4 @@
-// The images of a mesh's materials in OpenGL.
+// Holds the images of a mesh's materials in OpenGL.
 #pragma once
 
 #include "gl/objects.h"
@@ -8,9 +8,9 @@ namespace occlod::viewer {
 
 class LayerBuffer {
  public:
-  // With smaller versions of each.
+  // Uploads them with mipmaps.
   LayerBuffer(const gl::Functions& gl, const LayeredTexture& texture);
-  void bind() const;  // to texture unit 1, as MeshProgram reads it
+  void bind() const;  // to texture unit 1, which MeshProgram reads
   [[nodiscard]] bool from_below() const noexcept { return from_below_; }
 
  private:

@@ -25,7 +25,7 @@ out vec4 target;
 void main() { target = pen; }
 )";
 
-// Cuts off what is not ahead of the eye by this distance; false when nothing is left.
+// Cuts off what is not ahead of the eye by this distance. Returns false when nothing is left.
 bool clip_to_eye(glm::dvec4& a, glm::dvec4& b, double min_w) {
   const double ahead_a = a.w - min_w;
   const double ahead_b = b.w - min_w;
@@ -55,11 +55,11 @@ LineDrawing::LineDrawing(const gl::Functions& gl)
   attribute(2, 1, offsetof(Vertex, hidden_alpha));
 }
 
-// A strip of the pen's width, as two triangles.
+// Appends a strip of the pen's width, as two triangles.
 void LineDrawing::append(const Line& line, const View& view) {
   glm::dvec4 a = view.world_to_clip() * glm::dvec4(line.a, 1.0);
   glm::dvec4 b = view.world_to_clip() * glm::dvec4(line.b, 1.0);
-  if (!view.is_orthographic() && !clip_to_eye(a, b, 1e-3 * view.camera().near)) return;  // parallel rays have no eye
+  if (!view.is_orthographic() && !clip_to_eye(a, b, 1e-3 * view.camera().near)) return;  // no eye if orthographic
   const glm::dvec2 half_size = glm::dvec2(view.width(), view.height()) / 2.0;
   const glm::dvec2 along = (glm::dvec2(b) / b.w - glm::dvec2(a) / a.w) * half_size;
   const double length = glm::length(along);
@@ -85,7 +85,7 @@ void LineDrawing::draw(const std::vector<Line>& lines, const View& view) {
   gl.Enable(GL_BLEND);
   gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   gl.DepthMask(GL_FALSE);
-  gl.Enable(GL_DEPTH_CLAMP);  // the planes hold the scene, which the frustum reaches beyond
+  gl.Enable(GL_DEPTH_CLAMP);  // the planes contain the scene, which the frustum exceeds
   const auto count = static_cast<GLsizei>(vertices_.size());
   gl.Disable(GL_DEPTH_TEST);
   gl.Uniform1i(hidden_, 1);

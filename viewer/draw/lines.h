@@ -1,4 +1,4 @@
-// Lines in world space, as wide as one likes.
+// Draws lines in world space of any width.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -13,7 +13,7 @@ namespace occlod::viewer {
 struct Pen {
   glm::vec4 color{1.0F};  // sRGB and alpha
   double width_px = 1.5;
-  double hidden_alpha = 0.15;  // of what the mesh hides, times the colour's own
+  double hidden_alpha = 0.15;  // factor for lines that the mesh hides
 };
 
 struct Line {
@@ -25,7 +25,7 @@ struct Line {
 class LineDrawing {
  public:
   explicit LineDrawing(const gl::Functions& gl);
-  // Over a mesh that has been drawn with depth.
+  // Draws over a mesh that was drawn with depth.
   void draw(const std::vector<Line>& lines, const View& view);
 
  private:

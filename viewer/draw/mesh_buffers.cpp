@@ -8,7 +8,7 @@
 namespace occlod::viewer {
 namespace {
 
-// Of the vertex array that is bound.
+// Sets an attribute of the bound vertex array.
 void attribute(const gl::Functions& gl, const gl::Buffer& buffer, GLuint location, GLint size, GLenum type) {
   gl.BindBuffer(GL_ARRAY_BUFFER, buffer.id());
   gl.EnableVertexAttribArray(location);
@@ -21,16 +21,16 @@ void store(const gl::Functions& gl, const gl::Buffer& buffer, std::span<const T>
   gl::fill(gl, GL_ARRAY_BUFFER, data, usage);
 }
 
-// Elements [first, end) of a buffer.
+// Names the elements [first, end) of a buffer.
 struct Run {
   std::size_t first = 0;
   std::size_t end = 0;
 };
 
-// So few elements between two runs are sooner uploaded than told to the driver to be left alone.
+// Gaps of at most this many elements between runs are uploaded too, which is faster than another call.
 constexpr std::size_t small_gap = 16;
 
-// `run` lies behind those that are there.
+// Appends `run`, which lies behind the existing ones.
 void append(std::vector<Run>& runs, const Run& run) {
   if (!runs.empty() && run.first <= runs.back().end + small_gap)
     runs.back().end = run.end;
@@ -38,7 +38,7 @@ void append(std::vector<Run>& runs, const Run& run) {
     runs.push_back(run);
 }
 
-// Runs of `data` into the buffer, which is as large. Returns how many bytes.
+// Stores runs of `data` in the buffer, which has the same size. Returns how many bytes.
 template <class T>
 std::size_t store_runs(const gl::Functions& gl, const gl::Buffer& buffer, std::span<const T> data,
                        std::span<const Run> runs) {

@@ -1,4 +1,5 @@
-// Meshes in OpenGL: one static vertex buffer for each mesh, one index buffer for each object and side of the picture.
+// Holds meshes in OpenGL: one static vertex buffer for each mesh, one index buffer for each object and side of the
+// picture.
 #pragma once
 
 #include <glm/vec4.hpp>
@@ -10,7 +11,7 @@
 
 namespace occlod::viewer {
 
-// One for each vertex; where there are none, the program takes them for 0.
+// Holds one entry for each vertex. The program takes missing arrays for 0.
 struct VertexData {
   std::span<const glm::vec3> positions;
   std::span<const glm::vec3> normals;
@@ -28,7 +29,7 @@ class VertexBuffers {
   std::size_t fill(const VertexData& vertices, bool is_static);
   // Binds the attributes of MeshProgram.
   void bind() const;
-  // Makes them those of the vertex array that is bound, with other positions.
+  // Gives the bound vertex array these attributes, with other positions.
   void describe(const gl::Buffer& positions) const;
   [[nodiscard]] bool has_colors() const noexcept { return has_colors_; }
 
@@ -48,11 +49,11 @@ class VertexBuffers {
   bool has_materials_ = false;
 };
 
-// The vertices of one object while some of them slide: positions of its own, here and there.
+// Holds the vertices of one object while some of them morph, with positions of its own.
 class MorphBuffers {
  public:
   MorphBuffers(const gl::Functions& gl, const VertexBuffers& vertices, std::span<const glm::vec3> positions);
-  // As MorphedPositions::update(). Returns how many bytes it uploads.
+  // Works like MorphedPositions::update(). Returns how many bytes it uploads.
   std::size_t update(std::span<const Geomorph> geomorphs);
   void bind() const;
 
@@ -66,28 +67,29 @@ class MorphBuffers {
 class TriangleBuffers {
  public:
   explicit TriangleBuffers(const gl::Functions& gl);
-  // Both return how many bytes they upload.
+  // Returns how many bytes it uploads.
   std::size_t fill(std::span<const Triangle> triangles);
-  // The buffer holds the triangles of before, of which `changes`, ascending, and the size have changed.
+  // Updates a buffer in which only `changes`, ascending, and the size differ from `triangles`. Returns how many bytes
+  // it uploads.
   std::size_t change(std::span<const Triangle> triangles, std::span<const TriangleRange> changes);
-  // With the vertex buffers and the program bound.
+  // Draws with the vertex buffers and the program bound.
   void draw() const;
 
  private:
   const gl::Functions* gl_;
   gl::Buffer indices_;
-  std::size_t capacity_ = 0;  // triangles
+  std::size_t capacity_ = 0;  // in triangles
   GLsizei index_count_ = 0;
 };
 
-// Colours of triangles, sRGB.
+// Holds colours of triangles, sRGB.
 class TriangleColors {
  public:
   explicit TriangleColors(const gl::Functions& gl);
-  // One for each triangle, or none. Returns how many bytes it uploads.
+  // Uploads one colour per triangle, or none. Returns how many bytes it uploads.
   std::size_t fill(std::span<const glm::u8vec4> colors);
   [[nodiscard]] bool any() const noexcept { return any_; }
-  void bind() const;  // to texture unit 0, as MeshProgram reads them
+  void bind() const;  // to texture unit 0, which MeshProgram reads
 
  private:
   const gl::Functions* gl_;

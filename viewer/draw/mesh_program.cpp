@@ -55,7 +55,7 @@ void main() {
 }
 )";
 
-// Lights and line widths as in src/picture/shade.cpp.
+// Lights and line widths are those of occlod::shade (lib/scene/shade.cpp).
 constexpr const char* fragment_shader = R"(
 in VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; vec2 coordinate; flat int layer; } vertex;
 uniform int color_mode;

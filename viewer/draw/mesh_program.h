@@ -1,4 +1,4 @@
-// The shaders that draw meshes and the background.
+// Compiles the shaders that draw meshes and the background.
 #pragma once
 
 #include <glm/mat3x3.hpp>
@@ -8,11 +8,11 @@
 
 namespace occlod::viewer {
 
-// Attributes: 0 position, 1 normal, 2 colour (sRGB), 3 crease, see find_creases(), 4 texture coordinate, 5 layer. Lit
-// like the pictures of occlod::shade, as seen by the eye.
+// Reads the attributes 0 position, 1 normal, 2 colour (sRGB), 3 crease (see find_creases()), 4 texture coordinate and 5
+// layer. Lights from the eye, like occlod::shade.
 class MeshProgram {
  public:
-  // `wire`: with lines along edges, which takes a geometry shader.
+  // `wire` adds lines along edges, for which it uses a geometry shader.
   MeshProgram(const gl::Functions& gl, bool wire);
 
   enum class Color { plain, vertices, triangles, texture };
@@ -21,14 +21,14 @@ class MeshProgram {
     glm::mat4 object_to_eye{1.0F};
     glm::mat3 normal_to_eye{1.0F};
     Color color = Color::plain;
-    float crease_limit = 1.0F;  // vertices on sharper creases have no normal; 1 = 180 degrees
+    float crease_limit = 1.0F;  // vertices on sharper creases have no normal; 1: 180 degrees
     bool flat = false;
     bool dim_back_faces = false;
     bool orthographic = false;
     bool texture_from_below = true;  // texture coordinates grow upwards
   };
-  // By-triangle colours are texels of texture unit 0: triangle i at (i % texels_a_row, i / texels_a_row). Layers of the
-  // texture are those of the array of texture unit 1.
+  // Colours of triangles are texels of texture unit 0: triangle i at (i % texels_a_row, i / texels_a_row). Layers are
+  // those of the array texture of unit 1.
   void use(const Uniforms& uniforms) const;
 
   static constexpr int texels_a_row = 4096;
@@ -39,7 +39,7 @@ class MeshProgram {
   GLint object_to_clip_, object_to_eye_, normal_to_eye_, color_, crease_limit_, flat_, dim_, orthographic_, from_below_;
 };
 
-// A vertical gradient over the whole target.
+// Draws a vertical gradient over the whole target.
 class BackgroundProgram {
  public:
   explicit BackgroundProgram(const gl::Functions& gl);

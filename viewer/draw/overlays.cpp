@@ -23,7 +23,7 @@ constexpr Pen triangle_pen{{0.86F, 0.20F, 0.27F, 1.0F}, 3.0, 0.3};
 constexpr Pen cone_pen{{0.30F, 0.65F, 0.25F, 1.0F}, 1.5, 0.3};
 constexpr Pen path_pen{{0.86F, 0.36F, 0.20F, 1.0F}, 1.5, 0.6};
 
-// Lines of one object, given in its own space.
+// Adds lines of one object, given in its own space.
 class ObjectLines {
  public:
   ObjectLines(std::vector<Line>& lines, const glm::dmat4& object_to_world) : lines_(lines), matrix_(object_to_world) {}
@@ -123,8 +123,8 @@ void add_pick(std::vector<Line>& all, const Session& session, const PlacedObject
 
 Pen box_pen(const glm::u8vec4& color) { return {glm::vec4(color) / 255.0F, 1.5, 0.5}; }
 
-// Of nodes of one side, over each other where they share edges: what was drawn first, then hidden nodes, wasted queries
-// last.
+// Adds boxes of the nodes of one side, over each other where they share edges: first drawn ones, then hidden nodes, and
+// wasted queries last.
 void add_asked_boxes(std::vector<Line>& all, const Objects& objects, const hlod::Frame& frame) {
   const auto add = [&](std::uint32_t object, hlod::NodeId node, const glm::u8vec4& color) {
     ObjectLines lines(all, objects[object].object_to_world);
@@ -138,7 +138,7 @@ void add_asked_boxes(std::vector<Line>& all, const Objects& objects, const hlod:
       if (asked.answer == answer) add(asked.object, asked.node, color_of(answer));
 }
 
-// In the colours of their triangles, or black where these have none of their own.
+// Adds boxes in the colours of their triangles, or in black where these have none of their own.
 void add_drawn_boxes(std::vector<Line>& all, const Objects& objects, const HlodSide& side) {
   const hlod::Frame& frame = side.front->frame;
   for (std::size_t i = 0; i < frame.draws.size(); ++i) {
@@ -170,7 +170,7 @@ void add_cell_box(std::vector<Line>& lines, const CellBox& box, const Pen& pen) 
       if ((i & bit) == 0) lines.push_back({corner_of(i), corner_of(i | bit), pen});
 }
 
-// The cell of the eye last, over the others; where it is late also the node that is drawn instead.
+// Adds the cell of the eye last, over the others; if it is late, also the node that is drawn instead.
 void add_cell_boxes(std::vector<Line>& lines, const CellsFrame& frame, const glm::dvec3& eye, CellBoxes boxes) {
   if (boxes == CellBoxes::none) return;
   const CellTree& tree = frame.cells->file->tree();
@@ -184,7 +184,7 @@ void add_cell_boxes(std::vector<Line>& lines, const CellsFrame& frame, const glm
   add_cell_box(lines, tree.node(frame.walked.cell).box, cell_pen);
 }
 
-// To behind the scene.
+// Returns edges that end behind the scene.
 std::vector<std::array<glm::dvec3, 2>> refined_frustum(const Session& session) {
   const View view(session.refine_camera());
   const SceneBounds bounds = bounds_of(*session.state().objects);
@@ -197,7 +197,7 @@ void add_frustum(std::vector<Line>& lines, const Session& session) {
   for (const auto& [from, to] : refined_frustum(session)) lines.push_back({from, to, frustum_pen});
 }
 
-// The same from above with parallel rays, which show the box of such rays as they show the scene, and all of it.
+// Returns an orthographic camera from above, which shows an orthographic frustum without distortion, and all of it.
 Camera plan_of_box(const Camera& birdseye, const Session& session) {
   Camera camera = orthographic(birdseye);
   const glm::dvec3 right = glm::normalize(glm::cross(camera.target - camera.eye, camera.up));
@@ -243,7 +243,7 @@ Camera birdseye_camera(const Session& session, int width, int height) {
   const glm::dvec3 up = glm::normalize(refined.up);
   const glm::dvec3 direction = glm::normalize(refined.target - refined.eye);
   const glm::dvec3 ahead = glm::normalize(direction - glm::dot(direction, up) * up);
-  // A circle seen from above around the scene and the eye.
+  // A circle around the scene and the eye, seen from above, must be visible.
   const glm::dvec3 to_eye = refined.eye - bounds.center;
   const glm::dvec3 aside = to_eye - glm::dot(to_eye, up) * up;
   const double distance = glm::length(aside);
@@ -262,7 +262,7 @@ Camera birdseye_camera(const Session& session, int width, int height) {
   const double depth = glm::length(camera.eye - camera.target);
   camera.far = depth + 2.0 * radius;
   camera.near = camera.far * 1e-3;
-  // From above a building shows its roof: inside one, what is higher than the eye is cut off.
+  // From above a building shows its roof, so what is higher than an eye inside it is cut off.
   if (any_box_holds(*session.state().objects, refined.eye))
     camera.near = std::max(camera.near, glm::dot(camera.eye - refined.eye, up));
   return refined.orthographic_height ? plan_of_box(camera, session) : camera;

@@ -1,4 +1,5 @@
-// A picture in the making: colour and depth, with or without several samples a pixel, and the texture that comes of it.
+// Holds colour and depth of a picture that is being drawn, with one or more samples per pixel, and the finished
+// texture.
 #pragma once
 
 #include "gl/objects.h"
@@ -10,14 +11,15 @@ class RenderTarget {
  public:
   explicit RenderTarget(const gl::Functions& gl);
 
-  // Binds it for drawing with this size in pixels, 1 or more samples. Throws Error when the driver has no room for it.
+  // Binds the target for drawing with this size in pixels, and 1 or more samples. Throws Error when the driver has no
+  // memory for it.
   void begin(int width, int height, int samples);
-  // The picture is done: texture() shows it.
+  // Finishes the picture: texture() shows it.
   void finish() const;
   [[nodiscard]] GLuint texture() const noexcept { return texture_.id(); }
   [[nodiscard]] int width() const noexcept { return width_; }
   [[nodiscard]] int height() const noexcept { return height_; }
-  // Rows from the top.
+  // Returns the picture, with rows from the top.
   [[nodiscard]] Image read() const;
 
  private:
@@ -35,7 +37,7 @@ class RenderTarget {
   int samples_ = 0;
 };
 
-// What the bound read framebuffer shows, its lower left corner at (x, y); rows from the top.
+// Reads a part of the bound read framebuffer with its lower left corner at (x, y). Rows are from the top.
 [[nodiscard]] Image read_pixels(const gl::Functions& gl, int x, int y, int width, int height);
 
 }  // namespace occlod::viewer

@@ -40,12 +40,12 @@ void SceneDrawing::keep_vertices_of(const Objects& objects) {
   }
 }
 
-// One for each object of the frame.
+// Makes one entry for each object of the frame.
 void SceneDrawing::fit(Side& side) const {
   const Objects& objects = *frame_->job.objects;
   while (side.objects.size() > objects.size()) side.objects.pop_back();
   while (side.objects.size() < objects.size()) side.objects.emplace_back(*gl_);
-  gl_->BindVertexArray(0);  // whose index buffer might be replaced
+  gl_->BindVertexArray(0);  // its index buffer might be replaced
 }
 
 std::size_t SceneDrawing::upload(Side& side, const HlodSide& drawn) {
@@ -110,7 +110,7 @@ void SceneDrawing::draw(RenderTarget& target, const Camera& camera, std::size_t 
   if (!sides_.empty()) {
     const std::size_t shown = std::min(side, sides_.size() - 1);
     const std::vector<Drawn>& drawn = sides_[shown].objects;
-    const bool seen = colors == Colors::seen && !is_hlod_;  // which nobody asks about HLODs
+    const bool seen = colors == Colors::seen && !is_hlod_;  // HLODs have no such colours
     const bool own = has_own_colors(shown, look);
     for (std::size_t i = 0; i < drawn.size(); ++i)
       draw_object((*frame_->job.objects)[i], drawn[i], seen ? drawn[i].seen : drawn[i].colors, own, view, look);
@@ -123,7 +123,7 @@ void SceneDrawing::draw(RenderTarget& target, const Camera& camera, std::size_t 
   target.finish();
 }
 
-// Whether the side is drawn in the colours of the file.
+// Returns whether the side is drawn in the colours of the file.
 bool SceneDrawing::has_own_colors(std::size_t side, const LookSettings& look) const {
   if (is_hlod_) return frame_->job.hlod.color_by == HlodColorBy::vertices;
   if (frame_->cells && side == 0) return frame_->job.walk.color_by == CellColorBy::vertices;
@@ -164,8 +164,8 @@ void SceneDrawing::draw_object(const PlacedObject& object, const Drawn& drawn, c
   gl_->CullFace(GL_BACK);
   drawn.triangles.draw();
   if (!look.back_faces && !object.two_sided) return;
-  // At a contour the back face behind it is as near as the front face, but for rounding: it is drawn second, a little
-  // farther away.
+  // At a contour the back face is as near as the front face in front of it, except for rounding, so it is drawn second
+  // and slightly farther away.
   gl_->CullFace(GL_FRONT);
   gl_->Enable(GL_POLYGON_OFFSET_FILL);
   gl_->PolygonOffset(1.0F, 1.0F);

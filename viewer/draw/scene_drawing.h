@@ -1,4 +1,4 @@
-// The refined mesh on the screen.
+// Draws the refined mesh on the screen.
 #pragma once
 
 #include <map>
@@ -20,12 +20,12 @@ class SceneDrawing {
  public:
   explicit SceneDrawing(const gl::Functions& gl);
 
-  // Brings the buffers up to date with a frame; null draws nothing. Does nothing for the frame that it has already, and
-  // of one that follows it uploads what has changed. Returns how many bytes it uploads of what is not static.
+  // Updates the buffers for a frame; null draws nothing. Does nothing for the frame that it already has, and uploads
+  // only the changes for one that follows it. Returns how many bytes it uploads of what is not static.
   std::size_t upload(std::shared_ptr<const RefinedFrame> frame);
 
   enum class Colors { as_looked_at, seen };
-  // Draws side `side` of the frame (the first where it has fewer) over the background, then lines.
+  // Draws side `side` of the frame (the first if it has fewer) over the background, then lines.
   void draw(RenderTarget& target, const Camera& camera, std::size_t side, const LookSettings& look,
             const std::vector<Line>& lines, Colors colors = Colors::as_looked_at);
 
@@ -35,8 +35,8 @@ class SceneDrawing {
     TriangleBuffers triangles;
     TriangleColors colors;
     TriangleColors seen;
-    std::optional<MorphBuffers> morphs;     // while vertices may slide
-    std::optional<VertexBuffers> vertices;  // of its own: of an HLOD
+    std::optional<MorphBuffers> morphs;     // while vertices may morph
+    std::optional<VertexBuffers> vertices;  // only for an HLOD, which has its own
   };
   struct Side {
     std::uint64_t number = 0;    // of the refinement, or of the front
@@ -58,9 +58,9 @@ class SceneDrawing {
   LineDrawing lines_;
   std::shared_ptr<const RefinedFrame> frame_;
   std::map<std::shared_ptr<const ViewMesh>, VertexBuffers> vertices_;
-  std::map<std::shared_ptr<const LayeredTexture>, LayerBuffer> layers_;  // of those with materials
+  std::map<std::shared_ptr<const LayeredTexture>, LayerBuffer> layers_;  // of meshes with materials
   std::vector<Side> sides_;
-  bool is_hlod_ = false;  // the frame
+  bool is_hlod_ = false;  // whether the frame is of HLODs
 };
 
 }  // namespace occlod::viewer

@@ -1,4 +1,4 @@
-// Why the setting auto did what it did: what was on, what it cost and what it saved.
+// Explains the setting auto: what was on, what it cost and what it saved.
 #include <fmt/format.h>
 
 #include <string>
@@ -9,7 +9,7 @@
 namespace occlod::viewer {
 namespace {
 
-// In a narrow first column: values are long.
+// The first column is narrow, because values are long.
 void draw_value(const char* name, const std::string& value) { draw_row(name, value, 0.3F); }
 
 std::string shares_text(const HiddenShares& shares) {
@@ -56,7 +56,7 @@ void draw_outcome(const Explanation& why, const RefineStats& stats) {
   if (report.held) ImGui::TextDisabled("Kept: any other choice would be only slightly better.");
 }
 
-// Costs by object are counts times the calibration.
+// Costs per object are counts times the calibration.
 void draw_object(const std::string& name, const ObjectEffects& effects, const ObjectEffectStats& stats,
                  const Explanation& why) {
   ImGui::TextUnformatted(name.c_str());

@@ -1,4 +1,4 @@
-// Where the camera is and how it moves.
+// Shows where the camera is and how it moves.
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
@@ -32,7 +32,7 @@ void draw_bookmarks(Panels& panels) {
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-1.0F);
   ImGui::InputText("##name", &panels.fields.bookmark);
-  const auto bookmarks = panels.session.state().bookmarks;  // actions change it
+  const auto bookmarks = panels.session.state().bookmarks;  // a copy, because actions change it
   for (const auto& [name, camera] : bookmarks) {
     ImGui::PushID(name.c_str());
     draw_button(panels, "go_to", {{"name", name}}, name.c_str(), ImGui::GetContentRegionAvail().x * 0.7F);
@@ -42,7 +42,7 @@ void draw_bookmarks(Panels& panels) {
   }
 }
 
-// How much is shown: the angle of a perspective camera or the height of an orthographic one.
+// Draws the angle of a perspective camera, or the height of an orthographic one.
 void draw_lens(Panels& panels, const Camera& camera) {
   bool on = camera.orthographic_height.has_value();
   panels.drawn.insert("orthographic");

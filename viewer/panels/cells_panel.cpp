@@ -1,4 +1,4 @@
-// Walking through view cells: what is open, the simulated disk, the colours, and how the walk goes.
+// Shows the walk through view cells: what is open, the simulated disk, the colours, and figures.
 #include <fmt/format.h>
 
 #include <string>

@@ -52,7 +52,7 @@ void draw_number(Panels& panels, const Setting& setting, const nlohmann::json& v
     set(panels, setting, number);
 }
 
-// "300, 2500" as an array; what is no number ends it.
+// Parses text like "300, 2500" into an array; stops at what is not a number.
 nlohmann::json parse_integers(const std::string& text) {
   nlohmann::json values = nlohmann::json::array();
   const char* at = text.c_str();
@@ -65,7 +65,7 @@ nlohmann::json parse_integers(const std::string& text) {
   }
 }
 
-// Taken when Enter is pressed.
+// The text is used when Enter is pressed.
 void draw_integers(Panels& panels, const Setting& setting, const nlohmann::json& value) {
   std::string text = fmt::format("{}", fmt::join(value.get<std::vector<std::uint32_t>>(), ", "));
   if (ImGui::InputText("##value", &text, ImGuiInputTextFlags_EnterReturnsTrue))

@@ -1,4 +1,4 @@
-// Opening and saving.
+// Draws the controls for opening and saving.
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
@@ -71,7 +71,7 @@ void draw_files(Panels& panels) {
   ImGui::SameLine();
   ImGui::SetNextItemWidth(third);
   if (ImGui::BeginCombo("##recent", "Recent")) {
-    const auto recent = panels.session.state().recent;  // opening changes it
+    const auto recent = panels.session.state().recent;  // a copy, because opening changes it
     for (const std::filesystem::path& file : recent)
       if (ImGui::Selectable(file.filename().string().c_str())) open(panels, file);
     ImGui::Separator();

@@ -1,4 +1,4 @@
-// F1: keys and mouse.
+// Shows keys and mouse on F1.
 #include <algorithm>
 #include <array>
 

@@ -1,4 +1,4 @@
-// How HLODs are traversed: the strategy, its bias as a curve, the device and what its commands cost.
+// Shows how HLODs are traversed: the strategy, its bias as a curve, the device and the cost of its commands.
 #include <fmt/format.h>
 
 #include <string>
@@ -11,7 +11,8 @@
 namespace occlod::viewer {
 namespace {
 
-// What of an error counts (up) where this share of a node is visible (to the right); the diagonal is the share itself.
+// Draws the share of an error that counts (up) over the visible share of a node (right). The diagonal is that share
+// itself.
 void draw_bias_curve(const hlod::TraverseOptions& options, float scale) {
   const float width = ImGui::GetContentRegionAvail().x;
   const float height = 90.0F * scale;
@@ -88,7 +89,7 @@ void draw_device(Panels& panels) {
 
 std::string megabytes(std::uint64_t bytes) { return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6); }
 
-// Of HLODs whose meshes come and go.
+// Shows the cache of HLODs whose meshes are loaded on demand.
 void draw_cache(const hlod::StoreStats& cache) {
   draw_row("Cache", fmt::format("{} of {}", megabytes(cache.resident_bytes), megabytes(cache.budget_bytes)));
   draw_help_of_item("Meshes that are there, and what they may take: --cache");
@@ -103,7 +104,7 @@ void draw_cache(const hlod::StoreStats& cache) {
   draw_help_of_item("Meshes that cannot be read and never come; standard error says which");
 }
 
-// Of `auto`: what it drew, and what each strategy was found to take.
+// Shows what `auto` drew, and the predicted time of each strategy.
 void draw_forecasts(const hlod::Frame& frame) {
   draw_row("Drawn by", tool::name_of(frame.strategy));
   for (const hlod::StrategyForecast& forecast : frame.forecasts)

@@ -1,4 +1,4 @@
-// What lies over the view: insets on the right, the legend on the left, the words of the split screen.
+// Draws over the view: insets on the right, the legend on the left, the captions of the split screen.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,8 @@ constexpr ImGuiWindowFlags inset_flags = ImGuiWindowFlags_NoDecoration | ImGuiWi
                                          ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize |
                                          ImGuiWindowFlags_NoFocusOnAppearing;
 
-// In the right upper corner, one below the other; `below` is where this one begins and then where it ends.
+// Draws insets in the upper right corner, one below the other. `below` is where this one begins, and then where it
+// ends.
 void draw_inset(const char* name, const char* title, ImTextureID texture, const ImVec2& size, bool flipped,
                 const Layout& layout, float& below, float margin) {
   ImGui::SetNextWindowPos(ImVec2(layout.view.high.x - margin, below), ImGuiCond_Always, ImVec2(1.0F, 0.0F));
@@ -45,7 +46,7 @@ std::string count_text(const RefinedSide& side, const char* occlusion) {
                      100.0 * visible / std::max(triangles, 1.0));
 }
 
-// "coh: 341 nodes, 456,789 triangles, 12.3 ms".
+// Formats "coh: 341 nodes, 456,789 triangles, 12.3 ms".
 std::string count_text(const HlodSide& side) {
   const hlod::Frame& frame = side.front->frame;
   const std::string& name = tool::name_of(side.strategy);

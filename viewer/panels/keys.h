@@ -1,4 +1,4 @@
-// What keys do: one table for the window and for its help.
+// Lists what keys do, for the window and for its help.
 #pragma once
 
 #include <nlohmann/json.hpp>

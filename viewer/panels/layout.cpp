@@ -1,4 +1,4 @@
-// Where everything is, and all of it in one go.
+// Lays out all panels, and draws them together.
 #include <algorithm>
 #include <cmath>
 
@@ -10,12 +10,12 @@ namespace {
 constexpr float sidebar_width = 330.0F;
 constexpr float graph_height = 150.0F;
 
-// The largest rectangle of these proportions in the middle of `area`.
+// Returns the largest rectangle of these proportions in the middle of `area`.
 Area fitted(const Area& area, const Camera& camera) {
   const float aspect = static_cast<float>(camera.width) / static_cast<float>(camera.height);
   float width = std::min(area.width(), area.height() * aspect);
   float height = width / aspect;
-  // A picture of the area's own size, give or take a rounded pixel, fills it.
+  // A picture of the area's own size, up to a rounded pixel, fills it.
   if (std::abs(width - area.width()) < 2.0F) width = area.width();
   if (std::abs(height - area.height()) < 2.0F) height = area.height();
   const float x = area.low.x + std::floor((area.width() - width) / 2.0F);

@@ -1,4 +1,4 @@
-// What is being loaded, and what went wrong.
+// Shows what is being loaded, and what went wrong.
 #include <fmt/format.h>
 
 #include "controls.h"
@@ -36,7 +36,7 @@ void draw_notice(const Notice& notice, float width) {
 
 void draw_messages(Panels& panels, const Layout& layout) {
   const LoadProgress progress = panels.session.loader().progress();
-  const auto notices = panels.session.state().notices;  // actions change them
+  const auto notices = panels.session.state().notices;  // a copy, because actions change them
   bool any = !progress.what.empty();
   for (const Notice& notice : notices) any = any || notice.age_s < (notice.is_error ? error_s : notice_s);
   if (!any) return;

@@ -1,4 +1,4 @@
-// The strip at the bottom: what the last picture cost, and the pictures before it.
+// Draws the strip at the bottom: the costs of the last picture, and of those before it.
 #include <fmt/format.h>
 #include <imgui.h>
 #include <imgui_stdlib.h>
@@ -49,7 +49,7 @@ void draw_table(const PictureRecord& last, const Session& session) {
   draw_cell("splits", grouped(static_cast<double>(last.splits)));
   draw_cell("visible", session.frame()->sides[0].visible_triangles ? share(last.visible_triangles, last.triangles)
                                                                    : std::string("not counted"));
-  // Frame to frame they are counted for the last mesh alone.
+  // From frame to frame they are counted for the last mesh only.
   draw_cell("forced", share(last.forced_splits, session.frame()->sides[0].refinement.stats.new_splits));
   draw_cell("largest error", pixels(last.max_error_px));
   draw_cell("queries", grouped(static_cast<double>(last.queries)));
@@ -100,7 +100,7 @@ void draw_cells_table(const PictureRecord& last, const CellsFrame& frame, const 
   ImGui::EndTable();
 }
 
-// The scale of the graph: the first of 5, 10, 20, 50, ... that holds nearly all pictures.
+// Returns the scale of the graph: the first of 5, 10, 20, 50, ... that contains nearly all pictures.
 double top_of(const std::deque<PictureRecord>& records, std::size_t first) {
   std::vector<double> totals;
   for (std::size_t i = first; i < records.size(); ++i) totals.push_back(records[i].total_ms());

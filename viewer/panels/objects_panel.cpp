@@ -1,4 +1,4 @@
-// What is open, and where it stands.
+// Lists the open objects and their placements.
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -59,7 +59,7 @@ void draw_placement(Panels& panels, const PlacedObject& object) {
 
 void draw_objects(Panels& panels) {
   if (!begin_section(panels, "Objects")) return;
-  const auto objects = panels.session.state().objects;  // actions replace it
+  const auto objects = panels.session.state().objects;  // a copy, because actions replace it
   if (objects->empty()) ImGui::TextDisabled("none");
   const PlacedObject* selected = nullptr;
   for (const PlacedObject& object : *objects) {

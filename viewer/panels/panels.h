@@ -1,4 +1,4 @@
-// The panels around the view. Every control of theirs performs an action of the session; none changes its state itself.
+// Draws the panels around the view. Every control performs an action of the session; none changes its state directly.
 #pragma once
 
 #include <imgui.h>
@@ -13,7 +13,7 @@
 
 namespace occlod::viewer {
 
-// A rectangle of the window, in the window's coordinates.
+// Holds a rectangle in the window's coordinates.
 struct Area {
   ImVec2 low{0.0F, 0.0F};
   ImVec2 high{0.0F, 0.0F};
@@ -25,15 +25,16 @@ struct Area {
   }
 };
 
-// Where everything is.
+// Holds the places of all panels.
 struct Layout {
   Area sidebar;
   Area graph;
-  Area view;                   // what is left
-  std::vector<Area> pictures;  // inside the view: one, or two with the split screen; in the proportions of the picture
+  Area view;  // the rest
+  // Lie inside the view: one, or two with the split screen, with the proportions of the picture.
+  std::vector<Area> pictures;
 };
 
-// What is typed into text fields until it is used.
+// Holds what is typed into text fields until it is used.
 struct Fields {
   std::string open_folder;
   std::string open_file;
@@ -43,12 +44,12 @@ struct Fields {
   std::string bookmark = "view 1";
   std::string path = "path 1";
   std::string pictures = "pictures";
-  bool opens = false;  // the dialogue "open"
+  bool opens = false;  // the dialogue "open" is to be opened
 };
 
 struct Insets {
   ImTextureID birdseye = nullptr;
-  const DepthTexture* occluder = nullptr;  // null = there is none
+  const DepthTexture* occluder = nullptr;  // null: none
 };
 
 struct Panels {
@@ -56,8 +57,8 @@ struct Panels {
   Fields fields;
   float scale = 1.0F;  // of text and panels
   Insets insets;
-  bool unfold = false;          // all sections of the sidebar
-  std::set<std::string> drawn;  // settings and commands that had a control since this was emptied
+  bool unfold = false;          // opens all sections of the sidebar
+  std::set<std::string> drawn;  // settings and commands that had a control since this was last cleared
 
   // Performs {"do": command, ...arguments}.
   void perform(const char* command, nlohmann::json arguments = nlohmann::json::object());
@@ -65,10 +66,10 @@ struct Panels {
 
 [[nodiscard]] Layout lay_out(const Session& session, const ImVec2& window, float scale);
 
-// All of it, with the pictures of the sides as textures. Between ImGui::NewFrame and ImGui::Render.
+// Draws everything, with the pictures of the sides as textures. Call it between ImGui::NewFrame and ImGui::Render.
 void draw_panels(Panels& panels, const Layout& layout, const std::vector<ImTextureID>& pictures);
 
-// Its parts, one source each.
+// Each of these draws one part, and has its own source.
 void draw_files(Panels& panels);
 void draw_open_dialogue(Panels& panels, const Layout& layout);
 void draw_objects(Panels& panels);

@@ -1,4 +1,4 @@
-// Camera paths.
+// Draws the controls of camera paths.
 #include <fmt/format.h>
 #include <imgui.h>
 #include <imgui_stdlib.h>
@@ -47,7 +47,7 @@ void draw_paths(Panels& panels) {
   draw_setting(panels, "playback_rate");
   draw_label("Pictures to");
   ImGui::InputText("##folder", &panels.fields.pictures);
-  const auto paths = state.paths;  // actions change it
+  const auto paths = state.paths;  // a copy, because actions change it
   for (const auto& [name, path] : paths) draw_path(panels, name, path);
 }
 

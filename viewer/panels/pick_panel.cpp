@@ -1,4 +1,4 @@
-// The picked triangle and the split that made it.
+// Describes the picked triangle and the split that made it.
 #include <fmt/format.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// The sections of the sidebar that are made of settings alone.
+// Draws the sections of the sidebar that consist of settings only.
 #include <string_view>
 #include <vector>
 
@@ -8,7 +8,7 @@
 namespace occlod::viewer {
 namespace {
 
-// In their order, switches two a row.
+// Draws them in order, two switches per row.
 void draw_settings(Panels& panels, std::span<const Setting> settings) {
   bool beside = false;
   for (const Setting& setting : settings) {
@@ -29,7 +29,7 @@ void draw_refinement(Panels& panels) {
 void draw_look(Panels& panels) {
   if (!begin_section(panels, "Look")) return;
   if (!are_hlods(*panels.session.state().objects)) return draw_settings(panels, look_settings());
-  // The others are about meshes.
+  // The others concern meshes.
   std::vector<Setting> settings;
   for (const Setting& setting : look_settings())
     for (const char* name : {"shading", "wire", "back_faces", "antialias", "legend", "bounds", "birdseye"})

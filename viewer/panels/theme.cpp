@@ -10,7 +10,7 @@ namespace {
 
 constexpr float font_px = 15.0F;
 
-// Sans-serif fonts of the usual systems; the built-in one, of fixed width, where there is none of them.
+// Finds a sans-serif font of the usual systems. Without one, the built-in font of fixed width is used.
 const char* find_font() {
   constexpr const char* candidates[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                         "/usr/share/fonts/TTF/DejaVuSans.ttf",

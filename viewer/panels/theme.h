@@ -1,9 +1,10 @@
-// Fonts, colours and distances of the panels.
+// Sets fonts, colours and distances of the panels.
 #pragma once
 
 namespace occlod::viewer {
 
-// For text and panels of this scale, 1 = 96 dots an inch. Replaces the fonts: between two pictures only.
+// Applies them for text and panels of this scale, where 1 is 96 dots per inch. It replaces the fonts, so call it only
+// between two pictures.
 void apply_theme(float scale);
 
 }  // namespace occlod::viewer

@@ -125,7 +125,7 @@ void press_digit(Panels& panels, std::size_t digit) {
     panels.perform("go_to", {{"name", std::next(bookmarks.begin(), static_cast<std::ptrdiff_t>(digit))->first}});
 }
 
-// "name", or the first of "name 2", "name 3", ... that is not taken.
+// Returns "name", or the first of "name 2", "name 3", ... that is not taken.
 template <class IsTaken>
 std::string free_name(const std::string& stem, const IsTaken& is_taken) {
   for (int i = 1;; ++i)

@@ -1,4 +1,4 @@
-// Turns what mouse and keys do over the view into actions.
+// Turns mouse and keys over the view into actions.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,9 @@ namespace occlod::viewer {
 
 class ViewInput {
  public:
-  // After ImGui::NewFrame. `held`: keys that move the camera, right, up, ahead, each -1, 0 or 1.
+  // Call this after ImGui::NewFrame. `held` has the keys that move the camera, right, up and ahead, each -1, 0 or 1.
   void update(Panels& panels, const Layout& layout, const glm::dvec3& held, double seconds);
-  // The mouse is down on the view, or a key moves the camera.
+  // Returns whether the mouse is down on the view, or a key moves the camera.
   [[nodiscard]] bool is_busy() const noexcept { return button_ >= 0 || moves_; }
 
  private:
@@ -21,7 +21,7 @@ class ViewInput {
   void release(Panels& panels);
   void wheel(Panels& panels, const Layout& layout, float notches);
 
-  int button_ = -1;  // that was pressed on the view; -1 = none
+  int button_ = -1;  // pressed on the view; -1: none
   bool moved_ = false;
   bool drags_object_ = false;
   bool moves_ = false;
@@ -29,7 +29,7 @@ class ViewInput {
   Area picture_;  // in which it was pressed
 };
 
-// A key of key_bindings() or one that needs a name: bookmarks, paths, screenshots, dialogues.
+// Handles a key of key_bindings(), or one that needs a name: bookmarks, paths, screenshots, dialogues.
 void press_key(Panels& panels, int key, int mods);
 
 }  // namespace occlod::viewer

@@ -1,4 +1,4 @@
-// Reading the parameters of actions.
+// Reads the parameters of actions.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -10,9 +10,9 @@
 namespace occlod::viewer {
 
 [[nodiscard]] glm::dvec3 vector_at(const JsonPlace& action, std::string_view key);
-// `value` where the action does not have it.
+// Returns `value` if the action lacks the key.
 [[nodiscard]] double number_or(const JsonPlace& action, std::string_view key, double value);
-// "x" and "y" of a place in the picture, each in [0, 1]; the middle where they are not given.
+// Returns "x" and "y" of a place in the picture, each in [0, 1]; the middle if they are missing.
 [[nodiscard]] glm::dvec2 place_of(const JsonPlace& action);
 
 }  // namespace occlod::viewer

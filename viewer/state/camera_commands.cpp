@@ -1,4 +1,4 @@
-// Where the camera is, and bookmarks.
+// Implements the commands of the camera and its bookmarks.
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
@@ -15,7 +15,7 @@ namespace {
 
 void fit(Session& session) { hold(session.state().camera, bounds_of(*session.state().objects)); }
 
-// Every field that is given; planes that are not given fit the scene.
+// Sets every given field. Planes that are not given fit the scene.
 void camera(Session& session, const JsonPlace& action) {
   State& state = session.state();
   Camera camera = state.camera;
@@ -35,7 +35,7 @@ void camera(Session& session, const JsonPlace& action) {
   state.camera = camera;
 }
 
-// Parallel rays or perspective; the other one where the action does not say.
+// Switches the projection, to the other one if the action does not say which.
 void switch_orthographic(Session& session, const JsonPlace& action) {
   Camera& camera = session.state().camera;
   const auto on = action.find("on");
@@ -102,7 +102,7 @@ void zoom_camera(Session& session, const JsonPlace& action) {
   fit(session);
 }
 
-// The eye keeps its height above the ground: of what is straight below, found within the scene.
+// Keeps the eye's height above the ground: above what is straight below it in the scene.
 void stay_on_ground(Session& session) {
   State& state = session.state();
   if (!session.frame()) return;
@@ -110,7 +110,7 @@ void stay_on_ground(Session& session) {
   const auto below = cast_ray(*session.frame(), {state.camera.eye, -up});
   if (!below) return;
   if (state.walking_height == 0.0) state.walking_height = below->distance;
-  // A step at a time, so that stairs do not jolt.
+  // Only a part of the way is taken at once, so that stairs do not jolt.
   const double rise = 0.3 * (state.walking_height - below->distance);
   state.camera.eye += rise * up;
   state.camera.target += rise * up;
@@ -123,7 +123,7 @@ void move_camera(Session& session, const JsonPlace& action) {
   const glm::dvec3 by =
       step * glm::dvec3(number_or(action, "right", 0.0), number_or(action, "up", 0.0), number_or(action, "ahead", 0.0));
   if (state.camera.orthographic_height) {
-    // Parallel rays show the same from farther ahead, and start above no ground.
+    // In orthographic views moving ahead shows the same, and there is no ground to start from.
     move(state.camera, {by.x, by.y, 0.0});
     zoom(state.camera, std::exp(-by.z / radius));
   } else if (state.settings.steering == Steering::walk) {
@@ -135,7 +135,7 @@ void move_camera(Session& session, const JsonPlace& action) {
   fit(session);
 }
 
-// What is clicked on becomes what is looked at and orbited around, half as far away.
+// Makes the clicked point the target to look at and orbit around, at half its distance.
 void look_at(Session& session, const JsonPlace& action) {
   State& state = session.state();
   if (!session.frame()) action.fail("nothing is open", "open a mesh first");

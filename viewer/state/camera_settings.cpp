@@ -1,4 +1,4 @@
-// How the camera moves, and the window itself.
+// Lists the settings of the camera's motion and of the window itself.
 #include "setting_kinds.h"
 
 namespace occlod::viewer {

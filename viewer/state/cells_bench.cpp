@@ -25,7 +25,7 @@ tool::CellWalkOptions options_of(const CellSettings& settings) {
   return options;
 }
 
-// Time does not go on when a window is resized.
+// Resizing a window does not advance time.
 Camera without_size(Camera camera) {
   camera.width = camera.height = 1;
   return camera;
@@ -189,7 +189,7 @@ void CellsBench::walk(RefinedFrame& frame, std::uint64_t& number) {
   place(job);
   const Camera seen = without_size(job.camera);
   if (job.again || asked_ != seen) {
-    asked_.reset();  // should this fail
+    asked_.reset();  // in case this fails
     step(job);
     asked_ = seen;
   }

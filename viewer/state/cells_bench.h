@@ -1,4 +1,4 @@
-// Walks through view cells: what the worker's thread does where cells are open.
+// Walks through view cells on the worker's thread when cells are open.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@ namespace occlod::viewer {
 
 class CellsBench {
  public:
-  // Goes on by a sixtieth of a second where the job asks for another view than the one before, or for one more frame of
-  // it. Fills the first side, `cells` and goes_on. `number`: ascending over all sides; raised where the triangles
+  // Advances by a sixtieth of a second if the job asks for another view than the last job, or for one more frame of it.
+  // Fills the first side, `cells` and goes_on. `number` ascends over all sides, and is increased when the triangles
   // change. The job has cells. Throws Error when they do not fit into memory.
   void walk(RefinedFrame& frame, std::uint64_t& number);
   void forget();
@@ -26,8 +26,8 @@ class CellsBench {
   void place(const RefineJob& job);
   void step(const RefineJob& job);
   void take_triangles(bool with_left_out);
-  // What the file has for the node that is shown: for colours, and of a leaf what is left out. Without it where it
-  // cannot be read: the walk tells.
+  // Reads what the file has for the shown node, for colours and, at a leaf, for the left-out triangles. Does without it
+  // if it cannot be read, which the walk reports.
   void read_splits();
   void add_left_out();
   void count_visible(RefinedSide& side, const View& view);
@@ -37,20 +37,20 @@ class CellsBench {
   [[nodiscard]] std::size_t first_item(std::size_t object) const;
 
   std::shared_ptr<const ViewCells> cells_;
-  CellSettings settings_;  // that the walk was begun with
+  CellSettings settings_;  // with which the walk was begun
   std::optional<tool::CellWalk> walk_;
-  std::optional<Camera> asked_;  // for what the last step was, without the picture's size
-  CellNote note_;                // the last one
-  std::uint64_t notes_ = 0;      // of all walks
+  std::optional<Camera> asked_;  // for the last step, without the picture's size
+  CellNote note_;                // the last note
+  std::uint64_t notes_ = 0;      // over all walks
   CellsFrame told_;
-  bool changed_ = false;                     // since triangles were taken last
-  bool has_left_out_ = false;                // they were taken with what is left out
-  bool has_splits_ = false;                  // drawn_ has
+  bool changed_ = false;                     // since triangles were last taken
+  bool has_left_out_ = false;                // whether they were taken with left-out triangles
+  bool has_splits_ = false;                  // whether drawn_ has splits
   Refinement drawn_;                         // what was taken
-  std::vector<std::vector<CellKept>> kept_;  // by object: of what is left out
+  std::vector<std::vector<CellKept>> kept_;  // per object, for left-out triangles
   std::uint64_t number_ = 0;
   ItemBuffer items_;
-  std::vector<bool> owns_pixel_;  // by triangle that is drawn, of all objects
+  std::vector<bool> owns_pixel_;  // per drawn triangle, of all objects
 };
 
 }  // namespace occlod::viewer

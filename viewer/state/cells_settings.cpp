@@ -1,4 +1,4 @@
-// How the viewer walks through view cells, and what it shows of them.
+// Lists the settings of the walk through view cells, and of what it shows.
 #include "setting_kinds.h"
 
 namespace occlod::viewer {

@@ -18,7 +18,7 @@ double value_of(const ViewCells& cells, CellId leaf, CellBoxes boxes) {
   return boxes == CellBoxes::error ? static_cast<double>(node.error_px) : static_cast<double>(node.drawn_triangles);
 }
 
-// In [0, 1]; 0 where all leaves have the same.
+// Returns a place in [0, 1]; 0 if all leaves have the same value.
 double place_of(const CellScale& scale, double value) {
   if (!(scale.most > scale.least)) return 0.0;
   const double least = std::max(scale.least, 1e-3 * scale.most);

@@ -1,4 +1,4 @@
-// What is drawn for the view cell of the eye, and what a walk through cells has come to.
+// Describes what is drawn for the view cell of the eye, and the walk through cells so far.
 #pragma once
 
 #include <cstddef>
@@ -18,52 +18,53 @@
 
 namespace occlod::viewer {
 
-// Frames with the eye in a leaf, since the walk began.
+// Counts frames with the eye in a leaf, since the walk began.
 struct CellVisit {
   std::size_t frames = 0;
-  std::size_t late = 0;  // of these
+  std::size_t late = 0;  // frames among these
 };
 
-// What could not be loaded, in one line.
+// Tells in one line what could not be loaded.
 struct CellNote {
-  std::uint64_t number = 0;  // ascending; 0: there was none
+  std::uint64_t number = 0;  // ascending; 0: none
   std::string line;
 };
 
-// Sums are since the walk began.
+// Describes a frame of a walk. Sums are since the walk began.
 struct CellsFrame {
   std::shared_ptr<const ViewCells> cells;
   WalkedFrame walked;  // without objects
   std::size_t frames = 0;
-  std::size_t late = 0;     // frames
-  std::size_t missing = 0;  // frames
+  std::size_t late = 0;     // number of frames
+  std::size_t missing = 0;  // number of frames
   std::size_t crossings = 0;
   std::uint64_t bytes_read = 0;
   std::size_t loads = 0;
   std::map<CellId, CellVisit> visits;
-  CellNote note;                   // the last one
-  bool is_promised = false;        // the file's promise holds for this view: no more is magnified than it was built for
-  std::size_t left_out = 0;        // triangles that are active in the cell and not drawn, when they are asked for
-  std::vector<std::size_t> drawn;  // by object: of its triangles, the first so many; the others are left out
+  CellNote note;                   // the last note
+  bool is_promised = false;        // the file's promise holds: the view is not magnified more than promised
+  std::size_t left_out = 0;        // active triangles of the cell that are not drawn, if asked for
+  std::vector<std::size_t> drawn;  // per object: this many of its triangles are drawn, the others are left out
 };
 
-// Of triangles of the cell that are left out.
+// Holds triangles of the cell that are left out.
 struct LeftOut {
   std::vector<Triangle> triangles;
   std::vector<CellKept> kept;  // facing_away or hidden
 };
 
-// By object, from what the file has for the leaf: `cut`, as read_cell() gives it. O(size of the hierarchy).
+// Returns them for an object from what the file has for the leaf: `cut`, as read_cell() returns it. O(size of the
+// hierarchy).
 [[nodiscard]] LeftOut left_out_of(const ViewCells& cells, CellId leaf, std::size_t object, const CellObjectCut& cut);
 
-// The ends of a logarithmic scale, over all leaves.
+// Holds the ends of a logarithmic scale over all leaves.
 struct CellScale {
   double least = 0.0;
   double most = 0.0;
 };
-// `boxes`: triangles, error or bytes.
+// Returns the scale of triangles, error or bytes.
 [[nodiscard]] CellScale scale_of(const ViewCells& cells, CellBoxes boxes);
-// `scale`: for those.
+// Returns the colour of a leaf on that scale.
 [[nodiscard]] glm::u8vec4 box_color(const CellsFrame& frame, CellId leaf, CellBoxes boxes, const CellScale& scale);
 [[nodiscard]] std::vector<LegendEntry> legend_of(const ViewCells& cells, CellBoxes boxes);
 

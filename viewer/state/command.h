@@ -1,4 +1,4 @@
-// What can be done, by name: the table behind panels, keys and scripts.
+// Lists what can be done by name, for panels, keys and scripts.
 #pragma once
 
 #include <functional>
@@ -23,8 +23,8 @@ struct Command {
   const char* label = "";  // in panels
   const char* help = "";   // one sentence
   std::vector<Parameter> parameters{};
-  std::function<void(Session&, const JsonPlace&)> run{};  // the parameters have been checked to be there
-  bool settled = true;  // scripts wait before it until nothing is loaded and the mesh is what was asked for
+  std::function<void(Session&, const JsonPlace&)> run{};  // required parameters have been checked to exist
+  bool settled = true;  // scripts wait before it until everything is loaded and refined as requested
 };
 
 [[nodiscard]] std::span<const Command> scene_commands();
@@ -33,7 +33,7 @@ struct Command {
 [[nodiscard]] std::span<const Command> output_commands();
 [[nodiscard]] std::vector<const Command*> all_commands();
 
-// Null when there is none of that name.
+// Returns null for an unknown name.
 [[nodiscard]] const Command* find_command(std::string_view name);
 
 }  // namespace occlod::viewer

@@ -12,7 +12,7 @@
 namespace occlod::viewer {
 namespace {
 
-// The triangles around each vertex.
+// Lists the triangles around each vertex.
 class Stars {
  public:
   Stars(std::size_t vertex_count, std::span<const Triangle> triangles)
@@ -34,10 +34,10 @@ class Stars {
   std::vector<std::uint32_t> corners_;
 };
 
-// One side of an edge at the vertex that is looked at.
+// Describes one side of an edge at the current vertex.
 struct Spoke {
   VertexId to = 0;
-  bool leaves = false;  // the triangle runs from the vertex along it; of neighbours wound alike one does
+  bool leaves = false;  // the triangle runs along it from the vertex; with equal winding, one of two neighbours does
   glm::dvec3 normal{0.0};
 };
 
@@ -75,7 +75,7 @@ class CreaseFinder {
     spokes_.push_back({t[(corner + 2) % 3], false, normal});
   }
 
-  // Triangles without area have no normal: they are level with everything.
+  // Triangles without area have no normal and count as level with everything.
   static double sharpest_pair(std::span<const Spoke> spokes) {
     double cosine = 1.0;
     for (std::size_t i = 0; i < spokes.size(); ++i)
@@ -95,7 +95,7 @@ class CreaseFinder {
   std::span<const glm::vec3> positions_;
   std::span<const Triangle> triangles_;
   std::vector<Spoke> spokes_;
-  std::array<double, 2> sharpest_{0.0, 0.0};  // edges of the vertex that is looked at
+  std::array<double, 2> sharpest_{0.0, 0.0};  // edges of the current vertex
 };
 
 }  // namespace

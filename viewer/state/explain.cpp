@@ -10,7 +10,7 @@
 namespace occlod::viewer {
 namespace {
 
-// The splits that would come next at the vertices of a cut.
+// Finds the splits that would come next at the vertices of a cut.
 class NextSplits {
  public:
   NextSplits(const Hierarchy& hierarchy, std::span<const SplitId> applied) : hierarchy_(hierarchy) {
@@ -23,7 +23,7 @@ class NextSplits {
     }
   }
 
-  // The first split of the chain of the corner's vertex that is not applied, or no_id.
+  // Returns the first unapplied split in the chain of the corner's vertex, or no_id.
   [[nodiscard]] SplitId of(WedgeId corner) {
     const VertexId v = hierarchy_.vertex_of_wedge(corner);
     const auto known = known_.find(v);
@@ -54,7 +54,7 @@ bool outside_a_plane(const Triangle& t, std::span<const glm::vec3> positions, co
   });
 }
 
-// Judges splits as refinement does, each once.
+// Judges splits like refinement does, each once.
 class Judge {
  public:
   Judge(const PlacedObject& object, const View& view, const DepthPyramid* occluder)
@@ -104,7 +104,7 @@ class Judge {
   std::unordered_map<SplitId, Outcome> outcomes_;
 };
 
-// At a triangle with several next splits the one that refinement would rather do decides.
+// At a triangle with several next splits, the one that refinement would prefer decides.
 constexpr std::array<Outcome, outcome_count> by_weight = {Outcome::forced,      Outcome::budget,     Outcome::hidden,
                                                           Outcome::back_facing, Outcome::off_screen, Outcome::complete};
 
@@ -116,8 +116,8 @@ Outcome weightier(Outcome a, Outcome b) {
 
 }  // namespace
 
-// A split inserts the star of its vertex, whose other vertices were all there before: the triangle's last vertex is
-// its.
+// A split inserts the star of its vertex, whose other vertices existed before. So the last vertex of a triangle gives
+// its split.
 std::vector<SplitId> born_splits(const Hierarchy& hierarchy, std::span<const Triangle> triangles) {
   std::vector<SplitId> born;
   born.reserve(triangles.size());
@@ -180,7 +180,7 @@ std::vector<double> errors_px(const PlacedObject& object, const RefinedObject& r
     for (int k = 0; k < 3; ++k)
       if (const SplitId next = next_splits.of(t[k]); next != no_id)
         error = std::max(error, what == ErrorOf::shape ? hierarchy.node(next).error : hierarchy.attribute_error(next));
-    // The scale at the triangle itself: that of a whole subtree is unlimited as soon as the eye is inside its sphere.
+    // The scale is that at the triangle: that of a whole subtree is unlimited once the eye is inside its sphere.
     const std::array<glm::vec3, 3> corners = {hierarchy.positions()[t.x], hierarchy.positions()[t.y],
                                               hierarchy.positions()[t.z]};
     const Box box = bounding_box(corners);

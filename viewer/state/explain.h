@@ -1,4 +1,4 @@
-// Says of every triangle of a refined mesh how it came about and what it is good for.
+// Explains every triangle of a refined mesh: how it came about and what it contributes.
 #pragma once
 
 #include <glm/vec4.hpp>
@@ -12,22 +12,21 @@
 
 namespace occlod::viewer {
 
-// The split that inserted each triangle, no_id for those of the base mesh. In any order. O(triangles).
+// Returns the split that inserted each triangle; no_id for the base mesh. Triangles may be in any order. O(triangles).
 [[nodiscard]] std::vector<SplitId> born_splits(const Hierarchy& hierarchy, std::span<const Triangle> triangles);
 
-// `items` was drawn for `view` with triangle i as item first_item + i.
+// Classifies triangles. The item buffer of `owns_pixel` was drawn for `view` with triangle i as item first_item + i.
 [[nodiscard]] std::vector<Seen> classify(const PlacedObject& object, std::span<const Triangle> triangles,
                                          const View& view, const std::vector<bool>& owns_pixel, std::size_t first_item);
 
-// `occluder`: null = nothing is hidden. O(triangles * log(splits)).
+// Returns what ended refinement at each triangle. With a null `occluder` nothing is hidden. O(triangles * log(splits)).
 [[nodiscard]] std::vector<Outcome> outcomes(const PlacedObject& object, const RefinedObject& refined, const View& view,
                                             const DepthPyramid* occluder);
 
 enum class ErrorOf { shape, attributes };
 
-// What one triangle may differ from the input by, in pixels: the quadric error, or the error of attributes (how far
-// textures, hard normals and colours slip), of the largest split that has not been applied at its corners; 0 when there
-// is none.
+// Returns, per triangle, the error to the input in pixels of the largest unapplied split at its corners: the quadric
+// error, or that of attributes (how far textures, hard normals and colours slip); 0 if there is no such split.
 [[nodiscard]] std::vector<double> errors_px(const PlacedObject& object, const RefinedObject& refined, const View& view,
                                             ErrorOf what = ErrorOf::shape);
 

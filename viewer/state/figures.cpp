@@ -1,4 +1,4 @@
-// The numbers that scripts check, by name.
+// Lists the numbers that scripts check, by name.
 #include <map>
 #include <string>
 

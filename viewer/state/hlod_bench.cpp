@@ -10,7 +10,7 @@
 namespace occlod::viewer {
 namespace {
 
-// A view that stands still is drawn until so many frames after the first have drawn the same, or so many in all.
+// A static view is drawn until this many frames in succession have drawn the same, or this many in all.
 constexpr int min_repeats = 3;
 constexpr int max_frames_at_rest = 24;
 
@@ -47,7 +47,7 @@ void HlodBench::forget() {
   devices_.clear();
 }
 
-// One traverser for each side. What is known of nodes is kept while objects only move.
+// Makes one traverser for each side. What is known of nodes is kept while objects only move.
 void HlodBench::place(const RefineJob& job) {
   const bool keeps = objects_ && !job.from_scratch && are_same_hlods(*objects_, *job.objects);
   if (!keeps) sides_.clear();
@@ -67,7 +67,7 @@ HlodSide HlodBench::draw(Side& side, const RefineJob& job, hlod::Strategy strate
   const View view(job.camera);
   const Asked asked{job.camera, options_of(job, strategy), job.hlod.device};
   if (job.again || side.asked != asked) {
-    side.asked.reset();  // should this fail
+    side.asked.reset();  // in case this fails
     const hlod::Frame& frame = side.traverser.draw_frame(view, device(job.hlod.device), asked.options);
     const bool repeats = side.front && job.again && side.front->frame.front_hash == frame.front_hash;
     side.repeats = repeats ? side.repeats + 1 : 0;

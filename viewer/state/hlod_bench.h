@@ -1,4 +1,4 @@
-// Draws HLODs by one strategy, or by two beside each other: what the worker's thread does where HLODs are open.
+// Draws HLODs by one strategy, or by two beside each other, on the worker's thread when HLODs are open.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +18,15 @@ namespace occlod::viewer {
 
 class HlodBench {
  public:
-  // Both outlive it.
+  // Both references must outlive it.
   HlodBench(const MakeDevice& make, const std::optional<Calibration>& calibration)
       : make_(make), calibration_(calibration) {}
 
-  // Fills the sides, the hash, the cache, the costs and goes_on. Meshes that never come are told on standard error. Of
-  // a job that asks for the same frame as the one before, and not for another one of it, that is the frame of before.
-  // The job's objects are HLODs. Throws Error.
+  // Fills the sides, the hash, the cache, the costs and goes_on. Reports meshes that are never loaded on standard
+  // error. A job that asks for the same frame as the last one, and not for one more frame of it, gets that frame. The
+  // job's objects are HLODs. Throws Error.
   void draw(RefinedFrame& frame);
-  // All that is known of nodes, and the devices: after an error.
+  // Forgets all that is known of nodes, and the devices; call it after an error.
   void forget();
 
  private:
@@ -38,16 +38,16 @@ class HlodBench {
   };
   struct Side {
     hlod::Traverser traverser;
-    std::optional<Asked> asked;              // for what the front was drawn
+    std::optional<Asked> asked;              // for which the front was drawn
     std::shared_ptr<const HlodFront> front;  // the last one
-    int repeats = 0;                         // fronts before it that were the same
+    int repeats = 0;                         // equal fronts before it
   };
 
   void place(const RefineJob& job);
   [[nodiscard]] HlodSide draw(Side& side, const RefineJob& job, hlod::Strategy strategy);
   [[nodiscard]] hlod::TraverseOptions options_of(const RefineJob& job, hlod::Strategy strategy);
   [[nodiscard]] hlod::RenderDevice& device(HlodDevice device);
-  // Empty where they are not known and need not be.
+  // Returns nothing if the costs are unknown and not needed.
   [[nodiscard]] std::optional<hlod::DeviceCosts> costs(HlodDevice device, bool needed);
   [[nodiscard]] bool goes_on(const RefineJob& job);
 

@@ -1,4 +1,4 @@
-// How HLODs are traversed and shown.
+// Lists the settings of how HLODs are traversed and shown.
 #include <vector>
 
 #include "hlod_devices.h"
@@ -8,7 +8,7 @@
 namespace occlod::viewer {
 namespace {
 
-// In the order of the enum.
+// Returns the names in the order of the enum.
 std::vector<const char*> strategy_names() {
   std::vector<const char*> names;
   for (std::size_t i = 0; i < tool::strategies().size(); ++i)

@@ -15,7 +15,7 @@ void append(std::vector<T>& to, std::span<const T> more) {
   to.insert(to.end(), more.begin(), more.end());
 }
 
-// What DrawObject lacks.
+// Appends the attributes that DrawObject lacks.
 void append_attributes(FrontObject& to, const hlod::DrawnNode& draw, const hlod::Hlod& hlod) {
   const auto append_all = [&](const auto& from) {
     append(to.normals, from.normals);
@@ -26,7 +26,7 @@ void append_attributes(FrontObject& to, const hlod::DrawnNode& draw, const hlod:
   if (draw.splits > 0) append_all(hlod.within(draw.node));
 }
 
-// Ranges hold whole patches, both ascending.
+// Ranges contain whole patches; both are ascending.
 void append_patches(std::vector<std::uint32_t>& to, const hlod::DrawnNode& draw,
                     std::span<const hlod::DrawRange> ranges, const hlod::Hlod& hlod) {
   const std::uint32_t first = hlod.node(draw.node).first_patch;
@@ -121,7 +121,7 @@ std::vector<std::vector<glm::u8vec4>> colors_of(const HlodFront& front, const Ob
       for (const std::uint32_t patch : object.patches) colors[o].push_back(patch_color(patch));
       continue;
     }
-    // From the last draw to the first, each from its first triangle to where the one after it begins.
+    // This runs from the last draw to the first, each from its first triangle to where the next begins.
     colors[o].resize(object.triangles.size());
     std::size_t end = object.triangles.size();
     for (std::size_t i = draws.size(); i-- > 0;) {

@@ -19,7 +19,7 @@ std::uint8_t to_srgb(float linear) {
 
 glm::u8vec4 to_srgb(const glm::vec3& linear) { return {to_srgb(linear.x), to_srgb(linear.y), to_srgb(linear.z), 255}; }
 
-// Of a power of two.
+// Returns a power of two.
 unsigned layer_size(std::span<const DrawMaterial> materials) {
   unsigned size = 1;
   for (const DrawMaterial& material : materials)

@@ -1,4 +1,4 @@
-// The materials of a mesh as images of one size, as OpenGL draws them in one call.
+// Holds the materials of a mesh as images of one size, as OpenGL draws them in one call.
 #pragma once
 
 #include <memory>
@@ -12,12 +12,12 @@ namespace occlod::viewer {
 
 struct LayeredTexture {
   int size = 1;               // pixels along each side of every layer
-  std::vector<Image> layers;  // one for each material: its image times its base colour
+  std::vector<Image> layers;  // per material, its image times its base colour
   TextureOrigin origin = TextureOrigin::bottom_left;
 };
 
-// Images larger than 2,048 pixels, or than 2^26 pixels together allow, become smaller; others are made as large as the
-// largest. Null without materials. O(pixels).
+// Reduces images larger than 2,048 pixels, or than 2^26 pixels in all allow, and enlarges others to the size of the
+// largest. Returns null without materials. O(pixels).
 [[nodiscard]] std::shared_ptr<const LayeredTexture> layered(std::span<const DrawMaterial> materials,
                                                             TextureOrigin origin);
 

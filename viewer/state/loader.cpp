@@ -12,13 +12,13 @@ namespace {
 
 struct Cancelled {};
 
-// "statue" of /folder/statue.ply; a generator's own description.
+// Returns "statue" for /folder/statue.ply, and a generator's own description.
 std::string short_name(const MeshSource& source, const std::string& source_name) {
   if (!std::holds_alternative<MeshFile>(source)) return source_name;
   return std::filesystem::path(source_name).stem().string();
 }
 
-// With files by the path where they were found, so that the scene can be saved elsewhere.
+// Names files by the path where they were found, so that the scene can be saved elsewhere.
 SceneObject found_part(const SceneObject& object, const std::string& source_name, const glm::dmat4& object_to_world) {
   SceneObject part = object;
   part.object_to_world = object_to_world;
@@ -27,7 +27,7 @@ SceneObject found_part(const SceneObject& object, const std::string& source_name
   return part;
 }
 
-// What each of the HLODs of load_hlods() is made of: first all meshes together, if any, then each .ohlod file.
+// Returns what each of the HLODs of load_hlods() consists of: first all meshes together, if any, then each .ohlod file.
 std::vector<std::vector<SceneObject>> parts_of_hlods(const SceneDescription& scene,
                                                      const std::filesystem::path& folder) {
   std::vector<SceneObject> meshes;

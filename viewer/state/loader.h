@@ -1,4 +1,4 @@
-// Opens files on a thread of its own: meshes are read and built there, hierarchies and scenes loaded.
+// Opens files on its own thread: reads and builds meshes, and loads hierarchies and scenes.
 #pragma once
 
 #include <atomic>
@@ -21,41 +21,41 @@
 
 namespace occlod::viewer {
 
-// What came of one file.
+// Holds the result of opening one file.
 struct LoadedFile {
   std::filesystem::path file;
-  std::string error;  // one line; empty = all went well
+  std::string error;  // one line; empty: success
   bool cancelled = false;
   std::vector<PlacedObject> objects;      // without ids
   std::map<std::string, Camera> cameras;  // of a scene
   std::map<std::string, CameraPath> paths;
   std::string about;
-  std::shared_ptr<const ViewCells> cells;  // of a .vlod file, instead of all these
+  std::shared_ptr<const ViewCells> cells;  // of a .vlod file, which has nothing else
 };
 
 struct LoadProgress {
-  std::string what;   // empty = nothing is being loaded
+  std::string what;   // empty: nothing is being loaded
   double done = 0.0;  // in [0, 1]
-  int waiting = 0;    // files that come after it
+  int waiting = 0;    // number of files after it
 };
 
 class Loader {
  public:
-  // `use_cache`: keep hierarchies that are built in the user's cache folder. `paged`: let meshes of .ohlod files come
-  // and go, within the budget for each file or scene that is opened.
+  // `use_cache` keeps built hierarchies in the user's cache folder. `paged` loads meshes of .ohlod files on demand,
+  // within the budget for each file or scene that is opened.
   explicit Loader(bool use_cache, const std::optional<hlod::CacheOptions>& paged = {});
   Loader(const Loader&) = delete;
   Loader& operator=(const Loader&) = delete;
-  ~Loader();  // cancels what is under way
+  ~Loader();  // cancels the current work
 
-  // HLODs (.ohlod), and scenes with such objects, are opened as HLODs whatever `as` says.
+  // Opens a file. HLODs (.ohlod), and scenes with such objects, are opened as HLODs whatever `as` is.
   void open(const std::filesystem::path& file, LoadAs as = LoadAs::hierarchy);
-  // A .vlod file, for these objects.
+  // Opens a .vlod file for these objects.
   void open_cells(const std::filesystem::path& file, std::shared_ptr<const Objects> objects);
-  void cancel();  // all of it
+  void cancel();  // everything
   [[nodiscard]] LoadProgress progress() const;
   [[nodiscard]] bool busy() const;
-  // The oldest file that has been finished and not been taken.
+  // Returns the oldest finished file that has not been taken.
   [[nodiscard]] std::optional<LoadedFile> take();
 
  private:
@@ -63,7 +63,7 @@ class Loader {
   struct Wanted {
     std::filesystem::path file;
     LoadAs as = LoadAs::hierarchy;
-    std::shared_ptr<const Objects> cells_of;  // of a .vlod file; else null
+    std::shared_ptr<const Objects> cells_of;  // for a .vlod file, else null
   };
   [[nodiscard]] LoadedFile load(const Wanted& wanted);
   void load_meshes(const SceneDescription& scene, LoadedFile& result);

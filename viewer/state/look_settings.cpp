@@ -1,4 +1,4 @@
-// How the mesh is drawn.
+// Lists the settings of how the mesh is drawn.
 #include "setting_kinds.h"
 
 namespace occlod::viewer {

@@ -27,7 +27,7 @@ Axes axes_of(const Camera& camera) {
   return axes;
 }
 
-// The direction turned right and up, kept from the poles.
+// Returns the direction turned right and up, kept from the poles.
 glm::dvec3 turned(const Axes& axes, const glm::dvec3& direction, double right_deg, double up_deg) {
   const double elevation = glm::degrees(std::asin(std::clamp(glm::dot(direction, axes.world_up), -1.0, 1.0)));
   const double up = std::clamp(elevation + up_deg, -max_elevation_deg, max_elevation_deg) - elevation;
@@ -38,7 +38,7 @@ glm::dvec3 turned(const Axes& axes, const glm::dvec3& direction, double right_de
 
 double half_tangent(const Camera& camera) { return std::tan(glm::radians(camera.fov_y_deg) / 2.0); }
 
-// From where a perspective camera shows as much at the target.
+// Returns the distance from which a perspective camera shows as much at the target.
 double viewing_distance(const Camera& camera) {
   return camera.orthographic_height ? *camera.orthographic_height / (2.0 * half_tangent(camera))
                                     : glm::length(camera.target - camera.eye);
@@ -160,7 +160,7 @@ void hold(Camera& camera, const SceneBounds& bounds) {
 void fit_range(Camera& camera, const SceneBounds& bounds) {
   const glm::dvec3 to_center = bounds.center - camera.eye;
   camera.far = 1.01 * (glm::length(to_center) + bounds.radius);
-  const double depth = glm::dot(to_center, axes_of(camera).ahead);  // at the edge of the picture less than the distance
+  const double depth = glm::dot(to_center, axes_of(camera).ahead);  // less than the distance at the edge of the picture
   camera.near = std::max(0.99 * (depth - bounds.radius), camera.far * 1e-4);
 }
 

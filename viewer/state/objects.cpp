@@ -33,7 +33,7 @@ std::vector<glm::vec3> vertex_normals(std::span<const glm::vec3> positions, std:
   return normals;
 }
 
-// The other wedges of a vertex take what its first one has.
+// Gives the other wedges of a vertex the value of its first one.
 template <typename Value>
 std::vector<Value> by_wedge(const Hierarchy& hierarchy, std::vector<Value> values) {
   for (const VertexId v : hierarchy.data().extra_wedges) values.push_back(Value(values[v]));
@@ -48,16 +48,16 @@ glm::dmat3 rotation_of(const glm::dvec3& degrees) {
   return glm::dmat3(glm::rotate(m, r.x, {1.0, 0.0, 0.0}));
 }
 
-// Of a rotation Rz * Ry * Rx.
+// Returns the angles of a rotation Rz * Ry * Rx.
 glm::dvec3 angles_of(const glm::dmat3& m) {
-  // Adding 0 makes -0 what people write.
+  // Adding 0 turns -0 into 0.
   const double y = 0.0 + std::asin(std::clamp(-m[0][2], -1.0, 1.0));
   if (std::abs(m[0][2]) > 1.0 - 1e-12)  // x and z turn around the same axis
     return glm::degrees(glm::dvec3(0.0, y, std::atan2(-m[1][0], m[1][1])));
   return glm::degrees(glm::dvec3(std::atan2(m[1][2], m[2][2]), y, std::atan2(m[0][1], m[0][0])));
 }
 
-// All vertices; where not all meshes are there, the box. Throws Error when a mesh is damaged.
+// Surrounds all vertices, or the box if not all meshes are loaded. Throws Error when a mesh is damaged.
 Sphere sphere_around(const hlod::Hlod& hlod) {
   const Box& box = hlod.data().box;
   Sphere sphere{0.5F * box.min + 0.5F * box.max, 0.0F};
@@ -77,7 +77,7 @@ std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> 
                                                const std::filesystem::path& folder) {
   hierarchy->require_all();
   auto mesh = std::make_shared<ViewMesh>();
-  // Of vertices: seams are no borders of the surface.
+  // Triangles name vertices, because seams are not borders of the surface.
   const std::vector<Triangle> triangles = triangles_of(*hierarchy, full_cut(*hierarchy));
   const std::span<const glm::vec3> positions = hierarchy->positions().first(hierarchy->vertex_count());
   const std::span<const glm::vec3> own = hierarchy->data().normals;
@@ -93,7 +93,7 @@ std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> 
     mesh->sphere.radius = std::max(mesh->sphere.radius, glm::distance(mesh->sphere.center, p));
   mesh->levels.resize(hierarchy->split_count());
   for (SplitId s = 0; s < hierarchy->split_count(); ++s) {
-    const SplitId parent = hierarchy->node(s).parent;  // smaller than s
+    const SplitId parent = hierarchy->node(s).parent;  // less than s
     const int level = parent == no_id ? 0 : mesh->levels[parent] + 1;
     mesh->levels[s] = static_cast<std::uint16_t>(std::min(level, 0xFFFF));
     mesh->level_count = std::max(mesh->level_count, level + 1);
@@ -168,7 +168,7 @@ SceneBounds bounds_of(const Objects& objects) {
 
 SceneBounds bounds_of(const PlacedObject& object) {
   const glm::dmat3 linear(object.object_to_world);
-  // Exact for placements; else no smaller than the largest stretch.
+  // This is exact for placements, and otherwise at least the largest stretch.
   double stretch = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
   if (object.placement.shape != glm::dmat3(1.0)) stretch *= std::sqrt(3.0);
   const Sphere& sphere = object.hlod ? object.hlod->sphere : object.mesh->sphere;

@@ -1,4 +1,4 @@
-// The objects of the scene that is shown.
+// Holds the objects of the shown scene.
 #pragma once
 
 #include <cstdint>
@@ -18,34 +18,35 @@
 
 namespace occlod::viewer {
 
-// A hierarchy and what is drawn with it, computed once. Immutable.
+// Holds a hierarchy with what drawing it needs, computed once. Immutable.
 struct ViewMesh {
   std::shared_ptr<const Hierarchy> hierarchy;
-  std::vector<glm::vec3> normals;     // by wedge: the file's own, else of the full mesh
-  std::vector<std::uint8_t> creases;  // by wedge: see find_creases()
-  std::vector<std::uint16_t> levels;  // by split: how deep it stands in the forest
+  std::vector<glm::vec3> normals;     // per wedge: the file's own, else those of the full mesh
+  std::vector<std::uint8_t> creases;  // per wedge: see find_creases()
+  std::vector<std::uint16_t> levels;  // per split, its depth in the forest
   int level_count = 0;
   Sphere sphere;                                  // around all vertices and the middle of their box
   std::shared_ptr<const LayeredTexture> texture;  // null without materials
 };
 
-// folder: where the names of images start. Images that are missing are told of on standard error. Throws Error when
+// Computes it. `folder` is where the names of images start. Reports missing images on standard error. Throws Error when
 // part of the hierarchy is damaged. O(size).
 [[nodiscard]] std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> hierarchy,
                                                              const std::filesystem::path& folder = {});
 
-// An HLOD, likewise.
+// Holds an HLOD with what drawing it needs.
 struct ViewHlod {
-  std::shared_ptr<const hlod::Hlod> hlod;         // whose meshes have been checked, or come and go
+  std::shared_ptr<const hlod::Hlod> hlod;         // its meshes have been checked, or are loaded on demand
   Sphere sphere;                                  // around all vertices, or their box, and the middle of it
   std::shared_ptr<const LayeredTexture> texture;  // null without materials
 };
 
-// folder: as above. O(size). Throws Error when a mesh of the HLOD is damaged.
+// Computes it. `folder` is where the names of images start. O(size). Throws Error when a mesh of the HLOD is damaged.
 [[nodiscard]] std::shared_ptr<const ViewHlod> make_view_hlod(std::shared_ptr<const hlod::Hlod> hlod,
                                                              const std::filesystem::path& folder = {});
 
-// Scaled, turned around x, then y, then z, moved. `shape` comes before it all: what is no such placement, e.g. a shear.
+// Applies `shape`, scales, turns around x, then y, then z, and moves. `shape` is the rest of the transform, e.g. a
+// shear.
 struct Placement {
   glm::dvec3 position{0.0};
   glm::dvec3 rotation_deg{0.0};
@@ -64,30 +65,30 @@ struct PlacedObject {
   glm::dmat4 object_to_world{1.0};       // exactly as loaded until `placement` is edited
   Placement placement;
   bool two_sided = false;
-  bool attributes = true;  // how far these slip counts as an error too: see RefineObject
+  bool attributes = true;  // whether their slip counts as an error too: see RefineObject
   bool shown = true;
 };
 
 using Objects = std::vector<PlacedObject>;  // all meshes, or all HLODs
 
 [[nodiscard]] inline bool are_hlods(const Objects& objects) { return !objects.empty() && objects[0].hlod != nullptr; }
-// Null without materials.
+// Returns null without materials.
 [[nodiscard]] inline const std::shared_ptr<const LayeredTexture>& texture_of(const PlacedObject& object) {
   return object.hlod ? object.hlod->texture : object.mesh->texture;
 }
-// For traversal. The objects keep what these refer to.
+// Returns the HLODs for traversal. They refer to the objects.
 [[nodiscard]] std::vector<hlod::PlacedHlod> placed_hlods(const Objects& objects);
-// Object space.
+// Returns the box in object space.
 [[nodiscard]] const Box& box_of(const PlacedObject& object);
 
-// A sphere around all that are shown, in world space; radius 1 around the origin when there are none.
+// Holds a sphere around all shown objects, in world space; radius 1 around the origin if there are none.
 struct SceneBounds {
   glm::dvec3 center{0.0};
   double radius = 1.0;
 };
 [[nodiscard]] SceneBounds bounds_of(const Objects& objects);
 [[nodiscard]] SceneBounds bounds_of(const PlacedObject& object);
-// True when the box of one that is shown holds the point, given in world space.
+// Returns whether the box of a shown object contains the point, which is in world space.
 [[nodiscard]] bool any_box_holds(const Objects& objects, const glm::dvec3& point);
 
 }  // namespace occlod::viewer

@@ -1,4 +1,4 @@
-// Settings, picking, pictures and numbers.
+// Implements the commands of settings, picking, pictures and numbers.
 #include <fmt/format.h>
 
 #include "arguments.h"
@@ -22,7 +22,7 @@ void set(Session& session, const JsonPlace& action) {
   session.setting_changed();
 }
 
-// Of toggles: the other way round. Of choices: the next one.
+// Inverts a toggle, or takes the next of several choices.
 void flip(Session& session, const JsonPlace& action) {
   const Setting& setting = setting_at(action.at("setting"));
   nlohmann::json value = setting.get(session.state().settings);

@@ -16,10 +16,10 @@ namespace {
 
 using Stops = std::array<glm::vec3, 6>;
 
-// From dark blue over green to yellow: levels. After viridis (Smith & van der Walt), lightened at the dark end.
+// Levels run from dark blue over green to yellow, after viridis (Smith & van der Walt), lightened at the dark end.
 constexpr Stops level_stops = {
     {{74, 60, 130}, {60, 96, 146}, {42, 136, 142}, {53, 176, 120}, {132, 206, 80}, {246, 222, 60}}};
-// From pale to dark red: errors.
+// Errors run from pale to dark red.
 constexpr Stops error_stops = {
     {{232, 236, 230}, {196, 218, 200}, {246, 218, 140}, {242, 160, 88}, {214, 88, 68}, {142, 34, 66}}};
 
@@ -56,7 +56,7 @@ constexpr std::array<const char*, 4> answer_words = {"answer not used", "hidden 
 constexpr std::array<glm::u8vec4, 4> answer_colors = {
     {{196, 152, 208, 255}, {246, 246, 246, 255}, {58, 132, 206, 255}, {12, 12, 14, 255}}};
 
-// As Seen where both say the same.
+// Words and colours are those of Seen where the meaning is the same.
 constexpr std::array<const char*, cell_kept_count> kept_words = {"seen in this picture", "drawn, but unseen in it",
                                                                  "left out: faces away from the cell",
                                                                  "left out: hidden from the cell"};
@@ -140,7 +140,7 @@ glm::u8vec4 hlod_level_color(std::size_t level, std::size_t level_count) {
 
 glm::u8vec4 bias_color(float bias) { return picture::to_srgb(tool::bias_color(bias)); }
 
-// Hues a golden angle apart.
+// Hues are a golden angle apart.
 glm::u8vec4 patch_color(std::uint32_t patch) {
   if (patch == no_id) return base_mesh_color;
   const double hue = std::fmod(static_cast<double>(patch) * 0.61803398875, 1.0);

@@ -1,4 +1,4 @@
-// Camera paths: record, replay, write as pictures.
+// Implements the commands that record, replay and export camera paths.
 #include <filesystem>
 
 #include "command.h"
@@ -20,7 +20,7 @@ void record(Session& session, const JsonPlace& action) {
   session.state().recording = {action.at("name").string(), {{session.state().camera}, 1}, 0.0, false};
 }
 
-// Ends what is recorded, which becomes a path, and what is played.
+// Ends the recording, which becomes a path, and the playback.
 void stop(Session& session, const JsonPlace&) {
   State& state = session.state();
   state.playback = {};
@@ -50,7 +50,7 @@ void picture_sequence(Session& session, const JsonPlace& action) {
   session.state().playback = {action.at("name").string(), 0.0, folder, false};
 }
 
-// One frame of a path, without playing it.
+// Shows one frame of a path without playing it.
 void seek(Session& session, const JsonPlace& action) {
   const CameraPath& path = path_at(session, action.at("name"));
   const int frame = action.at("frame").integer(0);

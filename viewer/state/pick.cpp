@@ -10,7 +10,7 @@
 namespace occlod::viewer {
 namespace {
 
-// Moeller & Trumbore 1997, both faces. The distance along `direction`, or nothing.
+// Returns the distance along `direction` to either face (Moeller & Trumbore 1997), or nothing.
 std::optional<double> meet(const glm::dvec3& origin, const glm::dvec3& direction, const glm::dvec3& a,
                            const glm::dvec3& b, const glm::dvec3& c) {
   const glm::dvec3 ab = b - a;
@@ -33,7 +33,7 @@ struct ShownTriangles {
   std::span<const Triangle> triangles;
 };
 
-// Of one object of the frame's first side.
+// Returns the triangles of one object of the frame's first side.
 ShownTriangles shown_triangles(const RefinedFrame& frame, std::size_t object) {
   if (!frame.hlod_sides.empty()) {
     const FrontObject& front = frame.hlod_sides[0].front->objects[object];

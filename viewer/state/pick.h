@@ -1,4 +1,4 @@
-// Which triangle is there?
+// Finds the triangle at a place in the picture.
 #pragma once
 
 #include <array>
@@ -18,10 +18,10 @@ struct Hit {
   double distance = 0.0;  // in lengths of the ray's direction
 };
 
-// The nearest triangle of the frame's first side that a ray meets, either face. O(triangles).
+// Returns the nearest triangle of the frame's first side that a ray meets from either side. O(triangles).
 [[nodiscard]] std::optional<Hit> cast_ray(const RefinedFrame& frame, const Ray& ray);
 
-// What was picked: a triangle, and the split that made it or the node that it belongs to.
+// Names a picked triangle, and the split that made it or the node that it belongs to.
 struct Pick {
   std::uint64_t object = 0;   // id
   SplitId split = no_id;      // no_id: a triangle of the base mesh, or of an HLOD

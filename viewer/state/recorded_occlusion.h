@@ -1,4 +1,4 @@
-// Looks over the shoulder of a backend: what was its last occluder?
+// Records the last occluder of a backend.
 #pragma once
 
 #include <memory>
@@ -30,17 +30,17 @@ class RecordedOcclusion final : public Visibility {
     inner_.find_visible_points(object, points, visible);
   }
 
-  // Forgets the last occluder; whether those to come are kept.
+  // Forgets the last occluder. `keeps` tells whether to keep those to come.
   void begin(bool keeps);
   [[nodiscard]] bool keeps() const noexcept { return keeps_; }
-  // Its depth in the last view, though it may have been drawn for an earlier one that still tells what is hidden. Drawn
-  // by the CPU at the view's size whatever the backend does; null when there is none.
+  // Returns its depth in the last view, though it may have been drawn for an earlier one that still tells what is
+  // hidden. The CPU draws it at the view's size whatever the backend does. Null if there is none.
   [[nodiscard]] std::shared_ptr<const DepthPyramid> depth() const;
 
  private:
   struct Part {
     std::uint32_t object = 0;
-    std::vector<glm::vec3> corners;  // three of each triangle
+    std::vector<glm::vec3> corners;  // three per triangle
   };
 
   Visibility& inner_;

@@ -1,5 +1,4 @@
-// How the mesh is refined: the fields of RefineOptions, knobs worth a look, the backend, and whether from frame to
-// frame.
+// Lists the settings of refinement: the fields of RefineOptions, knobs worth a look, the backend, and frame to frame.
 #include <algorithm>
 #include <iterator>
 #include <vector>
@@ -10,11 +9,11 @@
 namespace occlod::viewer {
 namespace {
 
-// Settings are read from constant ones, too.
+// Settings are also read from constant ones.
 Tuning& knobs(RefineOptions& options) { return tune(options); }
 const Tuning& knobs(const RefineOptions& options) { return tuning_of(options); }
 
-// For every view.
+// These apply to every view.
 std::vector<Setting> view_settings() {
   return {
       integer(
@@ -52,7 +51,7 @@ std::vector<Setting> view_settings() {
   };
 }
 
-// How one frame follows another, and what is shown of it.
+// These tell how one frame follows another, and what is shown of it.
 std::vector<Setting> frame_settings() {
   return {
       toggle(

@@ -16,7 +16,7 @@
 namespace occlod::viewer {
 namespace {
 
-// Frames that change nothing though work is left over: nothing comes of it in the time that they have.
+// After this many frames that change nothing, the work that is left over is given up: a frame's time does not suffice.
 constexpr int max_idle_frames = 8;
 
 std::vector<DrawObject> draw_objects(const Objects& objects, const SideRefiner& refiner, const Refinement& refinement) {
@@ -43,7 +43,7 @@ std::vector<glm::u8vec4> level_colors(const ViewMesh& mesh, const RefinedObject&
   return colors;
 }
 
-// `ages`: of refined.splits.
+// `ages` are those of refined.splits.
 std::vector<glm::u8vec4> age_colors(const Hierarchy& hierarchy, const RefinedObject& refined,
                                     std::span<const std::uint32_t> ages) {
   std::vector<glm::u8vec4> colors;
@@ -62,10 +62,10 @@ std::vector<glm::u8vec4> colored(const Values& values, const Color& color) {
   return colors;
 }
 
-// What lives as long as the thread.
+// Holds what lives as long as the thread.
 class Bench {
  public:
-  // All outlive it.
+  // The references must outlive the bench.
   Bench(const MakeVisibility& make, const MakeDevice& make_device, std::optional<Calibration>& calibration)
       : make_(make), calibration_(calibration), hlods_(make_device, calibration) {}
 
@@ -84,7 +84,7 @@ class Bench {
       frame.hlod_sides.clear();
       frame.cells.reset();
       frame.error = error.what();
-      refiners_.clear();  // whatever it was about is not to be gone on with
+      refiners_.clear();  // do not continue from what failed
       backends_.clear();
       hlods_.forget();
       cells_.forget();
@@ -104,7 +104,7 @@ class Bench {
     frame.goes_on = job.frame_to_frame && goes_on(frame);
   }
 
-  // Cells, and beside them a refinement.
+  // Walks through cells, and refines beside them to compare.
   void walk(RefinedFrame& frame) {
     cells_.walk(frame, refinements_);
     RefineJob& job = frame.job;
@@ -115,7 +115,7 @@ class Bench {
     frame.sides.push_back(side(refiners_[0], job, job.occlusion));
   }
 
-  // One refiner for each side that is refined.
+  // Makes one refiner for each side that is refined.
   void place(const RefineJob& job, std::size_t count) {
     const bool chooses = job.occlusion == Occlusion::automatic;
     if (job.objects != objects_ || job.from_scratch || chooses != chooses_) refiners_.clear();
@@ -188,7 +188,7 @@ class Bench {
                    [](Seen seen) { return color_of(seen); });
   }
 
-  // Of one object of a side whose seen_colors and occluder are there as far as the job asks for them.
+  // Returns the colours of one object of a side whose seen_colors and occluder are set as far as the job asks for them.
   [[nodiscard]] static std::vector<glm::u8vec4> colors(const RefineJob& job, const View& view, std::size_t i,
                                                        const RefinedSide& side, const SideRefiner& refiner) {
     const PlacedObject& object = (*job.objects)[i];
@@ -221,7 +221,7 @@ class Bench {
   bool chooses_ = false;
   std::shared_ptr<const Objects> objects_;
   std::map<Occlusion, std::unique_ptr<Visibility>> backends_;
-  std::deque<SideRefiner> refiners_;  // that are not moved, nor their backends
+  std::deque<SideRefiner> refiners_;  // a deque, because neither they nor their backends may move
   std::uint64_t refinements_ = 0;
   int idle_frames_ = 0;
   ItemBuffer items_;

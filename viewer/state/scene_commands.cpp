@@ -1,4 +1,4 @@
-// Opening, placing, saving.
+// Implements the commands that open, place and save.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -15,7 +15,7 @@
 namespace occlod::viewer {
 namespace {
 
-// The id that an action names, by "object": an id or a name; the selected one where it names none.
+// Returns the id that an action names by "object", an id or a name; that of the selected object if it names none.
 std::uint64_t object_of(const Session& session, const JsonPlace& action) {
   const auto place = action.find("object");
   const Objects& objects = *session.state().objects;
@@ -37,7 +37,7 @@ void edit_object(Session& session, std::uint64_t id, const std::function<void(Pl
   });
 }
 
-// Of whole scenes in single precision, with room for the bounds of meshes.
+// Tests the range for whole scenes in single precision, with room for the bounds of meshes.
 bool is_usable(const glm::dmat4& matrix) {
   constexpr double most = 1e15;
   for (int column = 0; column < 4; ++column)
@@ -92,7 +92,7 @@ void place(Session& session, const JsonPlace& action) {
   });
 }
 
-// By shares of what the picture shows as far away as the object's middle: it stays under the cursor.
+// Moves an object by shares of what the picture shows at the distance of its middle: it stays under the cursor.
 void drag(Session& session, const JsonPlace& action) {
   const std::uint64_t id = object_of(session, action);
   edit_object(session, id, [&](PlacedObject& object) {

@@ -50,7 +50,7 @@ bool Script::step(Session& session, const std::function<void(const nlohmann::jso
     begin(session, action, report);
     check_errors(session);
   }
-  // What the last action led to may fail yet.
+  // The effects of the last action may still fail.
   return !(session.settled() && session.state().captures.empty());
 }
 
@@ -80,7 +80,7 @@ void Script::begin(Session& session, const JsonPlace& action,
   }
 }
 
-// What a file that cannot be written throws names the file: this adds the action.
+// An error about a file that cannot be written names only the file: this adds the action.
 void Script::perform(Session& session, const JsonPlace& action) const {
   try {
     session.perform(action);
@@ -128,7 +128,7 @@ void Script::check_errors(const Session& session) {
   throw Error({file_, "/actions", text, ""});
 }
 
-// Back to the level's start, if it is to be done again.
+// Returns to the level's start, if it is to be repeated.
 bool Script::rewind(Level& level) {
   if (level.until == Clock::time_point::max()) {
     if (--level.times_left <= 0) return false;

@@ -1,4 +1,4 @@
-// Files of actions, performed one after the other.
+// Performs files of actions, one after the other.
 #pragma once
 
 #include <chrono>
@@ -11,20 +11,20 @@
 
 namespace occlod::viewer {
 
-// {"actions": [{"do": ...}, ...]}. Besides the commands of the viewer:
+// Reads {"actions": [{"do": ...}, ...]}. Besides the commands of the viewer there are:
 //   {"do": "wait", "for": "refinement" | "path" | "pictures", "count": n}    until it is there, ends, n are drawn
-//   {"do": "expect", "figure": name, "at_least": x, "at_most": y}            fails unless it is, see Session::figures
+//   {"do": "expect", "figure": name, "at_least": x, "at_most": y}            fails otherwise, see Session::figures
 //   {"do": "repeat", "times": n, "actions": [...]}                           or "seconds": until they are over
 //   {"do": "report"}                                                         one line of JSON with all figures
-// Before an action the script waits until everything before it has taken effect: files are loaded, the mesh is
-// refined, pictures are written. Commands that Command::settled excepts wait for pictures only.
+// Before an action the script waits until everything before it has taken effect: files are loaded, the mesh is refined,
+// pictures are written. Commands with Command::settled = false wait for pictures only.
 class Script {
  public:
-  // Throws Error for a file that cannot be read or is no such list. Actions are checked when their turn comes.
+  // Throws Error for a file that cannot be read or is not such a list. Actions are checked when their turn comes.
   explicit Script(const std::filesystem::path& file);
 
-  // Performs what can be performed now; to be called after each picture. False at the end. Throws Error that names the
-  // action: what it threw, an error that it led to, or 10 minutes of waiting.
+  // Performs what can be performed now; call it after each picture. Returns false at the end. Throws Error that names
+  // the action: what it threw, an error that it led to, or 10 minutes of waiting.
   bool step(Session& session, const std::function<void(const nlohmann::json&)>& report);
 
  private:
@@ -47,7 +47,7 @@ class Script {
   std::string file_;
   nlohmann::json document_;
   std::vector<Level> levels_;
-  std::optional<JsonPlace> last_;    // that has been performed
+  std::optional<JsonPlace> last_;    // that was performed
   double pictures_to_wait_for_ = 0;  // figure "pictures" that ends a wait
   bool waits_for_path_ = false;
   int errors_ = 0;  // before the last action

@@ -25,11 +25,11 @@ nlohmann::json key_of(const Camera& c) {
           c.near,     c.far,   c.width, c.height,   c.orthographic_height.value_or(0.0)};
 }
 
-// Equal exactly when jobs for the same objects are.
+// Returns keys that are equal exactly when jobs for the same objects are.
 nlohmann::json key_of(const RefineJob& job, const Settings& settings) {
   nlohmann::json key =
       nlohmann::json::array({key_of(job.camera), job.keep_occluder, job.keep_seen, static_cast<int>(job.color_by)});
-  key.push_back(job.cells != nullptr);  // another file is a change of the objects for request_mesh()
+  key.push_back(job.cells != nullptr);  // request_mesh() treats another file as a change of the objects
   for (const auto& group : {refine_settings(), hlod_settings(), cells_settings()})
     for (const Setting& setting : group) key.push_back(setting.get(settings));
   return key;
@@ -129,7 +129,7 @@ void Session::update(double seconds, double patience_ms) {
     notes_told_ = latest->cells->note.number;
     notify(latest->cells->note.line, true);
   }
-  // After a failure the mesh of before is not what is asked for: nothing is drawn.
+  // After a failure the previous mesh is not what is asked for, so nothing is drawn.
   frame_ = std::move(latest);
   touched_ = false;
 }
@@ -261,7 +261,7 @@ void Session::add(LoadedFile file) {
   set_view_size(view_size_);
 }
 
-// A path shows each of its frames: the next one comes when the mesh of this one has been drawn and kept.
+// Shows each frame of a path: the next one comes when the mesh of this one was drawn and saved.
 void Session::go_on_playing() {
   Playback& playback = state_.playback;
   if (playback.path.empty()) return;
@@ -295,7 +295,7 @@ void Session::go_on_recording(double seconds) {
   }
 }
 
-// Between parallel rays and perspective there is nothing: all keys are as the first one.
+// Nothing lies between orthographic and perspective cameras, so all keys get the kind of the first one.
 Camera Session::recorded_key() {
   Recording& recording = state_.recording;
   Camera key = state_.camera;

@@ -1,4 +1,4 @@
-// Which files a session reads and writes, so that what it writes overwrites none of them unasked.
+// Tracks the files that a session reads and writes, so that it overwrites none of them unasked.
 #pragma once
 
 #include <filesystem>
@@ -14,15 +14,15 @@ enum class OutputKind { scene, picture, numbers };
 
 class SessionFiles {
  public:
-  // `what` for messages, e.g. "the script". The file need not exist.
+  // `what` names the file in messages, e.g. "the script". The file need not exist.
   void add_input(const std::filesystem::path& file, const std::string& what);
   void add_scene(const std::filesystem::path& file);  // that was opened
 
-  // The file that an action names at `place`, to be written next. Throws Error at `place` when it is a file of an open
-  // object, another input, or an output of another kind. A scene may be saved over a scene, and every output written
-  // anew.
+  // Returns the file that an action names at `place`, to be written next. Throws Error at `place` when it is a file of
+  // an open object, another input, or an output of another kind. A scene may be saved over a scene, and every output
+  // written again.
   [[nodiscard]] std::filesystem::path output(const JsonPlace& place, OutputKind kind, const Objects& objects);
-  // The same for files in a folder that the action names.
+  // Checks files to write in a folder that the action names, in the same way.
   void add_outputs(const JsonPlace& place, const std::vector<std::filesystem::path>& files, OutputKind kind,
                    const Objects& objects);
 
@@ -36,7 +36,7 @@ class SessionFiles {
     std::filesystem::path file;
     OutputKind kind;
   };
-  // What `file` is that must not be overwritten; empty when it may be.
+  // Returns what `file` is if it must not be overwritten; empty if it may be.
   [[nodiscard]] std::string conflict(const std::filesystem::path& file, OutputKind kind, const Objects& objects) const;
 
   std::vector<Used> inputs_;

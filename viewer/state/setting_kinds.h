@@ -1,4 +1,4 @@
-// Makes Settings from a way to reach the value: `at(settings)` is a reference to it, const for const settings.
+// Makes Settings from access to the value: `at(settings)` is a reference to it, const for const settings.
 #pragma once
 
 #include <cmath>
@@ -26,7 +26,7 @@ struct Range {
 
 // Throws Error at `place` unless the number is finite and inside the range.
 [[nodiscard]] double number_in(const Range& range, const JsonPlace& place);
-// The place of a name among the choices. Throws Error that lists them.
+// Returns the place of a name among the choices. Throws Error that lists them.
 [[nodiscard]] std::size_t choice_in(const std::vector<const char*>& choices, const JsonPlace& place);
 
 template <class Access>
@@ -60,7 +60,7 @@ Setting integer(const Label& label, const Range& range, Access at) {
   return setting;
 }
 
-// Choices in the order of the enum.
+// Lists choices in the order of the enum.
 template <class Access>
 Setting choice(const Label& label, std::vector<const char*> choices, Access at) {
   Setting setting{label.name, label.label, label.help, Setting::Kind::choice};
@@ -72,7 +72,7 @@ Setting choice(const Label& label, std::vector<const char*> choices, Access at) 
   return setting;
 }
 
-// Ascending integers >= 1, possibly none.
+// Takes ascending integers >= 1, possibly none.
 template <class Access>
 Setting integers(const Label& label, Access at) {
   Setting setting{label.name, label.label, label.help, Setting::Kind::integers};

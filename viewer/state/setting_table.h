@@ -1,4 +1,4 @@
-// Every setting by name: what panels draw, scripts set and the settings file keeps.
+// Lists every setting by name: what panels draw, scripts set and the settings file keeps.
 #pragma once
 
 #include <functional>
@@ -27,10 +27,10 @@ struct Setting {
   std::vector<const char*> choices{};
   bool kept = true;  // from one run to the next
   std::function<nlohmann::json(const Settings&)> get{};
-  std::function<void(Settings&, const JsonPlace&)> set{};  // throws Error for a value that does not fit
+  std::function<void(Settings&, const JsonPlace&)> set{};  // throws Error for an invalid value
 };
 
-// In the order in which panels show them.
+// Settings are in the order in which panels show them.
 [[nodiscard]] std::span<const Setting> refine_settings();
 [[nodiscard]] std::span<const Setting> hlod_settings();
 [[nodiscard]] std::span<const Setting> cells_settings();
@@ -39,7 +39,7 @@ struct Setting {
 [[nodiscard]] std::span<const Setting> window_settings();
 [[nodiscard]] std::vector<const Setting*> all_settings();
 
-// Null when there is none of that name.
+// Returns null for an unknown name.
 [[nodiscard]] const Setting* find_setting(std::string_view name);
 
 }  // namespace occlod::viewer

@@ -1,4 +1,4 @@
-// All that a user can set, as plain data. state/setting_table.h says how each is named, shown, limited and saved.
+// Holds all that a user can set, as plain data. setting_table.h tells how each is named, shown, limited and saved.
 #pragma once
 
 #include "occlod/refiner.h"
@@ -6,76 +6,76 @@
 
 namespace occlod::viewer {
 
-// automatic: the effects that pay in each view, by AutoRefiner, with the software backend.
+// With `automatic`, AutoRefiner chooses the effects that pay off in each view, with the software backend.
 enum class Occlusion { none, software, gl_query, gl_mark, gl_compute, automatic };
 
 enum class Shading { smooth, flat };
 
-// What a triangle's colour tells.
+// Names what a triangle's colour tells.
 enum class ColorBy {
   plain,       // nothing: one colour for everything
   vertices,    // the colours of the file
   texture,     // its materials, with their images; one colour without
-  level,       // how deep in the forest the split stands that made it
-  error,       // how far it may be from the input, in pixels
+  level,       // the depth in the forest of the split that made it
+  error,       // the error to the input, in pixels
   slip,        // how far its texture, hard normals and colours may have slipped, in pixels
   visibility,  // whether it owns a pixel, and if not, why
   outcome,     // what ended refinement here
   age,         // how long ago its split was last found visible
 };
 
-// What meshes and scenes are built as when they are opened.
+// Names what meshes and scenes are built as when they are opened.
 enum class LoadAs { hierarchy, hlod };
 
-// What draws HLODs and answers questions about their nodes.
+// Names the device that draws HLODs and answers queries about their nodes.
 enum class HlodDevice { gl, software };
 
-// How nodes change between levels.
+// Names how nodes change between levels.
 enum class HlodBetween { nothing, geomorph, within };
 
-// What the colour of a triangle of an HLOD tells.
+// Names what the colour of a triangle of an HLOD tells.
 enum class HlodColorBy {
   plain,     // nothing
   vertices,  // the colours of the file
   texture,   // its textures and the colours of its materials
   level,     // of its node
   error,     // of its node, in pixels
-  bias,      // how much of it counted
+  bias,      // by which factor the error of its node counted
   state,     // how its node came to be drawn
   patch,     // which patch it belongs to
 };
 
-// Which nodes have their boxes drawn.
+// Names the nodes whose boxes are drawn.
 enum class NodeBoxes {
   none,
   drawn,  // in the colours of their triangles
-  asked,  // by what came of asking, and those drawn without (Guthe and others 2006, fig. 1)
+  asked,  // by the result of their query; others that are drawn, too (Guthe and others 2006, fig. 1)
 };
 
 struct HlodSettings {
-  hlod::TraverseOptions traverse;                       // without what `between` and the device give
-  hlod::Strategy other_strategy = hlod::Strategy::vfc;  // of the right half of the split screen
+  hlod::TraverseOptions traverse;                       // without what `between` and the device determine
+  hlod::Strategy other_strategy = hlod::Strategy::vfc;  // in the right half of the split screen
   HlodBetween between = HlodBetween::nothing;
   HlodDevice device = HlodDevice::gl;
-  bool settle = true;  // a view that stands still is drawn until its front stays
+  bool settle = true;  // a static view is drawn until its front no longer changes
   HlodColorBy color_by = HlodColorBy::texture;
   NodeBoxes boxes = NodeBoxes::none;
 };
 
-// What the colour of a triangle of a view cell tells.
+// Names what the colour of a triangle of a view cell tells.
 enum class CellColorBy {
   plain,     // nothing
   vertices,  // the colours of the file
-  level,     // as ColorBy
-  error,     // as ColorBy
+  level,     // see ColorBy
+  error,     // see ColorBy
   kept,      // whether it is drawn for the cell, and if not, why
 };
 
-// Which view cells have their boxes drawn, and what their colour tells.
+// Names the view cells whose boxes are drawn, and what their colour tells.
 enum class CellBoxes { none, cell, triangles, error, bytes, late };
 
 struct CellSettings {
-  bool walk = true;  // where cells are open
+  bool walk = true;  // if cells are open
   bool prefetch = true;
   double memory_mb = 256.0;
   double disk_mb_s = 0.0;  // of a simulated disk; 0: reading takes no time
@@ -85,17 +85,17 @@ struct CellSettings {
   CellBoxes boxes = CellBoxes::none;
 };
 
-// How mouse and keys move the camera.
+// Names how mouse and keys move the camera.
 enum class Steering { orbit, fly, walk };
 
 struct LookSettings {
   Shading shading = Shading::smooth;
-  double crease_deg = 40.0;  // smooth shading stops at edges that are sharper
+  double crease_deg = 40.0;  // smooth shading stops at sharper edges
   ColorBy color_by = ColorBy::texture;
   bool wire = false;
   bool bounds = true;      // of the picked split: its sphere or box or cylinder
   bool cone = true;        // of the picked split: its normals
-  bool antialias = true;   // four samples a pixel
+  bool antialias = true;   // four samples per pixel
   bool back_faces = true;  // draw them, darker
 };
 
@@ -110,7 +110,7 @@ struct WindowSettings {
   bool graph = true;
   bool help = false;
   bool legend = true;
-  double scale = 0.0;  // of text and panels; 0 = as the display says
+  double scale = 0.0;  // of text and panels; 0: the display's
 };
 
 struct Settings {
@@ -118,16 +118,16 @@ struct Settings {
   RefineOptions refine;
   HlodSettings hlod;
   CellSettings cells;
-  bool frame_to_frame = true;  // go on from the mesh of the picture before; else refine each from scratch
+  bool frame_to_frame = true;  // continue from the last picture's mesh; else refine each from scratch
   Occlusion occlusion = Occlusion::software;
-  bool freeze = false;         // refine for the camera of the moment when it was set
-  bool compare = false;        // beside it the same without occlusion
+  bool freeze = false;         // refine for the camera of the time when it was set
+  bool compare = false;        // show it beside the same without occlusion
   bool count_visible = true;   // triangles that own a pixel, by the item buffer
-  double playback_rate = 1.0;  // of camera paths, frames for each picture
+  double playback_rate = 1.0;  // of camera paths, frames per picture
   LookSettings look;
   InsetSettings insets;
   Steering steering = Steering::orbit;
-  double speed = 0.5;  // fly and walk, scene radii a second
+  double speed = 0.5;  // fly and walk, scene radii per second
   WindowSettings window;
 };
 

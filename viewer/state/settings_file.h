@@ -1,4 +1,4 @@
-// What the viewer remembers from one run to the next.
+// Stores what the viewer remembers from one run to the next.
 #pragma once
 
 #include <filesystem>
@@ -7,15 +7,15 @@
 
 namespace occlod::viewer {
 
-// view.json in the user's config folder; empty when there is none.
+// Returns view.json in the user's config folder; empty if there is none.
 [[nodiscard]] std::filesystem::path default_settings_file();
 
 struct RememberedWindow {
   ImageSize size{1440, 900};
 };
 
-// Reads what is there into the session; false for a missing file, which changes nothing. What a newer or older version
-// wrote and this one does not know is left out. Throws Error for a file that is no JSON or has values that do not fit.
+// Reads the file into the session. Returns false for a missing file, which changes nothing. Ignores unknown settings of
+// newer or older versions. Throws Error for a file that is not JSON or has invalid values.
 bool read_settings(const std::filesystem::path& file, Session& session, RememberedWindow& window);
 
 // Throws Error.

@@ -36,9 +36,9 @@ void SideRefiner::refine(RefinedSide& side, const RefineJob& job, Occlusion occl
   std::optional<Asked> asked;
   if (job.frame_to_frame) asked = {job.camera, job.options, occlusion};
   if (!asked || job.again || asked_ != asked) {
-    // A frame at rest draws no occluder: the last one is kept in case that it is asked for then.
+    // A frame at rest draws no occluder, so the last one is kept in case it is asked for then.
     if (!job.frame_to_frame || !recorded.keeps()) recorded.begin(wants_occluder || job.frame_to_frame);
-    asked_.reset();  // should this fail
+    asked_.reset();  // in case this fails
     result_ = &refined(job, recorded);
     if (chooser_) explain_choice();
     asked_ = asked;

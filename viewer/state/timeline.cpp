@@ -17,7 +17,7 @@ void Timeline::add(const PictureRecord& record) {
 
 namespace {
 
-// Empty where no cells are walked through.
+// Returns empty columns unless cells are walked through.
 std::string walked_columns(const PictureRecord& record) {
   if (!record.walked) return ",,,,";
   const WalkedFrame& walked = *record.walked;
@@ -47,7 +47,7 @@ void Timeline::write_csv(const std::filesystem::path& file) const {
 }
 
 double resident_memory_mb() {
-  std::ifstream statm("/proc/self/statm");  // pages: all, resident, ...
+  std::ifstream statm("/proc/self/statm");  // in pages: all, resident, ...
   double all = 0.0;
   double resident = 0.0;
   if (!(statm >> all >> resident)) return 0.0;

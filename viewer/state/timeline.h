@@ -1,4 +1,4 @@
-// What every picture took and what came of it.
+// Records the cost and the result of every picture.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace occlod::viewer {
 
-// Of a picture whose mesh was there.
+// Holds the cost of a picture whose mesh was there.
 struct PictureCost {
   double upload_ms = 0.0;
   std::size_t uploaded_bytes = 0;  // of triangles, colours and vertices
@@ -22,7 +22,7 @@ struct PictureCost {
 struct PictureRecord {
   std::uint64_t picture = 0;  // ascending
   int path_frame = -1;        // of the camera path that is played
-  // All 0 when the mesh of the picture before was drawn again.
+  // The next five are 0 when the mesh of the previous picture was drawn again.
   double refine_ms = 0.0;
   double occlusion_ms = 0.0;
   std::size_t new_splits = 0;
@@ -40,10 +40,10 @@ struct PictureRecord {
   double max_error_px = 0.0;
   double memory_mb = 0.0;
   std::uint64_t hash = 0;  // of the refinement, or of the front
-  // Of HLODs; else all 0. refine_ms is then the frame without stalls, occlusion_ms the stalls.
+  // These are 0 unless HLODs are drawn. Then refine_ms is the frame without stalls, occlusion_ms the stalls.
   hlod::FrameStats hlod;
   hlod::FrameTimes times;
-  // Of view cells; else none.
+  // This is empty unless view cells are drawn.
   std::optional<WalkedFrame> walked;  // without objects
 
   [[nodiscard]] double total_ms() const { return refine_ms + occlusion_ms + cost.upload_ms + cost.draw_ms; }
@@ -51,11 +51,11 @@ struct PictureRecord {
 
 class Timeline {
  public:
-  // Keeps the last `capacity`.
+  // Keeps the last `capacity` records.
   void add(const PictureRecord& record);
   [[nodiscard]] const std::deque<PictureRecord>& records() const noexcept { return records_; }
   void clear() { records_.clear(); }
-  // One line a picture, names of columns first. Throws Error.
+  // Writes one line per picture, names of columns first. Throws Error.
   void write_csv(const std::filesystem::path& file) const;
 
   static constexpr std::size_t capacity = 10'000;
@@ -64,7 +64,7 @@ class Timeline {
   std::deque<PictureRecord> records_;
 };
 
-// Of this process, in MB; 0 where the system does not say.
+// Returns the memory of this process in MB; 0 if the system does not tell.
 [[nodiscard]] double resident_memory_mb();
 
 }  // namespace occlod::viewer

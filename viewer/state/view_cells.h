@@ -1,4 +1,4 @@
-// View cells (.vlod) of the objects that are open.
+// Holds view cells (.vlod) of the open objects.
 #pragma once
 
 #include <cstdint>
@@ -12,26 +12,27 @@
 
 namespace occlod::viewer {
 
-// Immutable.
+// Never changes.
 struct ViewCells {
   std::filesystem::path path;
-  std::shared_ptr<const Objects> objects;  // that the file was opened with: meshes, which it refers to
+  std::shared_ptr<const Objects> objects;  // the meshes that the file was opened with, and refers to
   std::shared_ptr<const VlodFile> file;
-  std::vector<std::uint64_t> path_bytes;  // by node: of the file, of the node and all above it: what a jump there reads
+  std::vector<std::uint64_t> path_bytes;  // per node, bytes of it and all nodes above it, which a jump there reads
   std::vector<CellId> leaves;             // ascending
 };
 
 [[nodiscard]] bool is_vlod_file(const std::filesystem::path& file);
 [[nodiscard]] std::vector<RefineObject> refine_objects(const Objects& objects);
 
-// Throws Error that says which object the file was not built for. Reads all of the hierarchies. `objects`: meshes.
+// Throws Error that names an object that the file was not built for. Reads the hierarchies completely. `objects` are
+// meshes.
 [[nodiscard]] std::shared_ptr<const ViewCells> open_view_cells(const std::filesystem::path& file,
                                                                std::shared_ptr<const Objects> objects);
 
-// Whether these are the objects that the cells were built for, where they were then.
+// Returns whether these are the objects that the cells were built for, at the same places.
 [[nodiscard]] bool are_of(const ViewCells& cells, const Objects& objects);
 
-// The leaves nearest to a point, `most` at most; ascending.
+// Returns the leaves nearest to a point, at most `most`, ascending.
 [[nodiscard]] std::vector<CellId> nearest_leaves(const ViewCells& cells, const glm::dvec3& point, std::size_t most);
 
 }  // namespace occlod::viewer

@@ -16,23 +16,21 @@
 namespace occlod::hlod {
 namespace {
 
-// From the collapses of a node to the splits that an HLOD stores.
-
-// The arrays of NodeSplits. All empty: none.
+// Holds the arrays of NodeSplits. They are all empty for a node without splits.
 struct NodeSplitsData {
-  std::vector<WedgeId> wedges;  // bare ones, then one for each split
+  std::vector<WedgeId> wedges;  // bare ones, then one per split
   std::vector<float> errors;
   std::vector<std::uint16_t> indices, parents;
 };
 
-// Numbers the wedges of `draft`, those in the node's mesh (`own`) as they are there. `ids` is scratch memory.
+// Numbers the wedges of `draft`. Those in the node's mesh (`own`) keep their numbers there. `ids` is scratch memory.
 // Expected O(n).
 [[nodiscard]] NodeSplitsData number_splits(const SplitsDraft& draft, std::span<const WedgeId> own, LocalIds& ids);
 
-// Lays the splits of all nodes out in `data`, whose nodes are complete. O(n).
+// Lays out the splits of all nodes in `data`, whose nodes are complete. O(n).
 void append_splits(const WedgeMesh& mesh, std::span<const NodeSplitsData> splits, HlodData& data);
 
-// Writes the positions and attributes of wedges to `to`, where `layout` has them.
+// Writes the positions and attributes of wedges to `to`, at the places that `layout` gives.
 void copy_wedges(const WedgeMesh& mesh, std::span<const WedgeId> wedges, const VertexLayout& layout, std::byte* to);
 
 NodeSplitsData number_splits(const SplitsDraft& draft, std::span<const WedgeId> own, LocalIds& ids) {
@@ -94,14 +92,14 @@ void copy_wedges(const WedgeMesh& mesh, std::span<const WedgeId> wedges, const V
   copy(mesh.wedge_materials, layout.materials);
 }
 
-// The vertices and patches of one node.
+// Holds the vertices and patches of one node.
 struct NodeParts {
   std::vector<WedgeId> wedges;  // in the order of their first use
   std::vector<std::uint16_t> indices;
   std::vector<Patch> patches;
 };
 
-constexpr std::size_t nodes_at_once = 512;  // whose parts are in memory before they are written
+constexpr std::size_t nodes_at_once = 512;  // number of nodes whose parts are in memory before they are written
 
 class Assembler {
  public:
@@ -149,12 +147,12 @@ class Assembler {
         [&](LocalIds& ids, std::size_t i) { visit(ids, static_cast<NodeId>(begin + i)); }, [] {});
   }
 
-  // Room for what most surfaces need, so that nothing has to be copied into larger memory.
+  // Reserves what most surfaces need, so that arrays need not be copied when they grow.
   void reserve() {
     std::size_t triangles = 0;
     for (const NodeDraft* draft : drafts_) triangles += draft->triangle_count;
     wedges_.reserve(triangles * 2 / 3);
-    Node two;  // vertices for three triangles
+    Node two;  // room for the vertices of three triangles
     two.vertices = 2;
     two.triangles = 3;
     data_.meshes.reserve(triangles / 3 * MeshLayout(two, arrays_of(data_)).bytes + drafts_.size() * mesh_alignment);
@@ -174,12 +172,13 @@ class Assembler {
     }
   }
 
-  // The id of the node at a place of the level above that of n.
+  // Returns the id of the node at `place` on the level above that of n.
   [[nodiscard]] NodeId parent_id(NodeId n, std::uint32_t place) const {
     return data_.levels[data_.nodes[n].level + 1U].first_node + place;
   }
 
-  // Into patches by ascending parent; within one by material, and then triangles keep their order.
+  // Divides the node's triangles into patches by ascending parent. Within a patch they are sorted by material, and
+  // otherwise keep their order.
   void divide(LocalIds& ids, NodeId n, NodeParts& parts) const {
     const NodeDraft& draft = *drafts_[n];
     const LevelDraft& level = levels_[data_.nodes[n].level];
@@ -202,7 +201,7 @@ class Assembler {
     parts.wedges.assign(ids.vertices().begin(), ids.vertices().end());
   }
 
-  // What the node says of itself, and where everything is.
+  // Sets the node's own fields and the places of its arrays.
   void lay_out(NodeId n, const NodeParts& parts) {
     const NodeDraft& draft = *drafts_[n];
     Node& node = data_.nodes[n];
@@ -246,8 +245,8 @@ class Assembler {
     std::fill_n(array_at<std::uint16_t>(node, layout.merged_into), parts.wedges.size(), stays);
   }
 
-  // Tells the children of n where their vertices went. What n merged belongs to it alone, so no other parent of the
-  // child writes to the same place.
+  // Tells the children of n where their vertices went. Only n merges these vertices, so no other parent of the child
+  // writes to the same place.
   void link_merged(LocalIds& own, NodeId n) {
     const NodeDraft& draft = *drafts_[n];
     const std::span<const Merge> merges = levels_[data_.nodes[n].level].merges_of(draft);
@@ -279,9 +278,9 @@ class Assembler {
   std::vector<LevelDraft> levels_;
   Within within_;
   unsigned threads_;
-  std::vector<const NodeDraft*> drafts_;  // by node
+  std::vector<const NodeDraft*> drafts_;  // per node
   LargeVector<WedgeId> wedges_;           // of the vertices of all nodes
-  std::vector<std::size_t> first_wedge_;  // by node, into wedges_
+  std::vector<std::size_t> first_wedge_;  // per node, into wedges_
   HlodData data_;
 };
 

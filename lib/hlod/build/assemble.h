@@ -1,4 +1,4 @@
-// From drafts of all levels to the arrays of an HLOD.
+// Turns the drafts of all levels into the arrays of an HLOD.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@
 namespace occlod::hlod {
 
 // Numbers nodes from coarse to fine, sorts the triangles of each into patches, and gives each node vertices of its own.
-// `levels` from level 0; they are used up. Fills all fields but grouping, borders and node_triangles. The result does
-// not depend on the threads. O(n log n) within each node.
+// `levels` starts at level 0 and is used up. Fills all fields but grouping, borders and node_triangles. The result does
+// not depend on the number of threads. O(n log n) within each node.
 [[nodiscard]] HlodData assemble(const WedgeMesh& mesh, std::vector<LevelDraft> levels, Within within, unsigned threads);
 
 }  // namespace occlod::hlod

@@ -34,24 +34,22 @@
 namespace occlod::hlod {
 namespace {
 
-// From pieces of a mesh to the mesh, in arrays that may be larger than memory.
-
-// Keeps what a source gives.
+// Collects the pieces that a source gives, and makes one mesh of them in arrays that may be larger than memory.
 class PieceCollector final : public TriangleSink {
  public:
   explicit PieceCollector(int threads) : threads_(threads) {}
   // Cleans the piece. Throws Error as TriangleSink says.
   void add(const TriangleMesh& piece) override;
-  // Of all pieces so far.
+  // Returns the positions of all pieces so far.
   [[nodiscard]] std::span<const glm::vec3> positions() const { return raw_.positions; }
-  // After all pieces: positions to the lattice, as clean() has it of a mesh whose positions were rounded: triangles
-  // with two corners at one place go, and vertices that no other uses. Throws Error when no triangle is left. O(n).
+  // Rounds the positions of all pieces to the lattice, and then cleans as clean() does: removes triangles with two
+  // corners at one place, and vertices that no other triangle uses. Throws Error when no triangle is left. O(n).
   void round(float lattice_step);
-  // After all pieces: the mesh with its vertices along a Morton curve, those of one cell in the order in which
-  // triangles use them first. Vertices at one position become one, equal attributes there one wedge. Takes what was
-  // collected. O(n log n).
+  // Returns the mesh of all pieces with its vertices along a Morton curve; those of one cell are in the order in which
+  // triangles first use them. Vertices at one position become one, and equal attributes there one wedge. Uses up what
+  // was collected. O(n log n).
   [[nodiscard]] WedgeMesh weld();
-  // Sums of what cleaning has counted, but for topology.
+  // Returns the sums of the counts of cleaning, without topology.
   [[nodiscard]] const MeshReport& report() const { return report_; }
 
  private:
@@ -60,7 +58,7 @@ class PieceCollector final : public TriangleSink {
   void count(const MeshReport& of_piece);
   void append(const TriangleMesh& piece);
 
-  WedgeMesh raw_;  // a vertex for each wedge of each piece; `triangles` only
+  WedgeMesh raw_;  // a vertex per wedge of each piece; `triangles` only
   std::size_t pieces_ = 0;
   MeshReport report_;
   int threads_;
@@ -70,10 +68,10 @@ using PositionBits = std::array<std::uint32_t, 3>;
 
 PositionBits bits_of_position(const glm::vec3& p) { return {bits_of(p.x), bits_of(p.y), bits_of(p.z)}; }
 
-// All at one position vanish; clean() would refuse a mesh of nothing else.
+// Returns whether any triangle has corners at different positions; clean() would refuse a mesh without one.
 bool has_proper_triangle(const TriangleMesh& mesh) {
   return std::ranges::any_of(mesh.wedge_triangles(), [&](const Triangle& t) {
-    if (std::max({t.x, t.y, t.z}) >= mesh.positions.size()) return true;  // which clean() tells of
+    if (std::max({t.x, t.y, t.z}) >= mesh.positions.size()) return true;  // reported by clean()
     const glm::vec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
     return a != b && b != c && c != a;
   });
@@ -86,7 +84,7 @@ class PositionGroups {
     slots_.assign(std::bit_ceil(2 * members + 2), no_id);
     first_.clear();
   }
-  // `p` may be that of an earlier one.
+  // Returns the group of `p`, which is an earlier one if `p` has its position.
   std::uint32_t add(const glm::vec3& p) {
     const PositionBits bits = bits_of_position(p);
     std::size_t slot =
@@ -103,7 +101,7 @@ class PositionGroups {
 
  private:
   std::vector<std::uint32_t> slots_;
-  std::vector<PositionBits> first_;  // by group
+  std::vector<PositionBits> first_;  // per group
 };
 
 void PieceCollector::add(const TriangleMesh& piece) {
@@ -136,7 +134,7 @@ void PieceCollector::append(const TriangleMesh& piece) {
     throw Error({fmt::format("piece {}", pieces_), "", "makes 2^32 vertices or triangles of all pieces",
                  "split the mesh into several HLODs"});
   const auto join = [](auto& all, const auto& more) { all.insert(all.end(), more.begin(), more.end()); };
-  // What not all pieces have, none has.
+  // Drops arrays that not all pieces have.
   const auto keep = [&](auto& all, const auto& more) {
     if (all.size() == first && !more.empty())
       join(all, more);
@@ -199,7 +197,7 @@ void PieceCollector::round(float lattice_step) {
     for (int k = 0; k < 3; ++k) t[k] = place[t[k]];
 }
 
-// Vertices of `raw` are numbered anew.
+// Numbers the vertices of `raw` anew.
 class PieceCollector::Welder {
  public:
   Welder(WedgeMesh raw, unsigned threads) : raw_(std::move(raw)), threads_(threads), wedge_of_(raw_.positions.size()) {
@@ -228,7 +226,7 @@ class PieceCollector::Welder {
     gather(raw_.colors, result_.colors);
     gather(raw_.texture_coordinates, result_.texture_coordinates);
     gather(raw_.wedge_materials, result_.wedge_materials);
-    for (std::size_t i = vertices; i < sources_.size(); ++i)  // as their vertices have it, to the bit
+    for (std::size_t i = vertices; i < sources_.size(); ++i)  // copied from their vertices, to the bit
       result_.positions[i] = glm::vec3(result_.positions[result_.extra_wedges[i - vertices]]);
     return std::move(result_);
   }
@@ -253,7 +251,7 @@ class PieceCollector::Welder {
     }
   }
 
-  // Ascending vertices of one cell.
+  // Numbers the vertices of one cell, given in ascending order.
   void number_cell(std::span<const VertexId> members) {
     groups_.reset(members.size());
     group_of_.clear();
@@ -274,7 +272,8 @@ class PieceCollector::Welder {
     }
   }
 
-  // The vertices of one position, ascending. Equal ones become a wedge; the first is the vertex's own.
+  // Numbers the vertices at one position, given in ascending order. Equal ones become a wedge; the first is the
+  // vertex's own.
   void number_place(std::span<const std::pair<std::uint32_t, VertexId>> members, VertexId vertex) {
     kinds_.clear();
     for (const auto& [group, v] : members) kinds_.push_back({attributes_of(v), v, v});
@@ -294,7 +293,7 @@ class PieceCollector::Welder {
     }
   }
 
-  // Normal, colour, texture coordinates and material, by their bits.
+  // Holds the bits of normal, colour, texture coordinates and material.
   using Attributes = std::array<std::uint32_t, 7>;
   [[nodiscard]] Attributes attributes_of(VertexId v) const {
     Attributes attributes{};
@@ -330,18 +329,18 @@ class PieceCollector::Welder {
 
   struct Kind {
     Attributes attributes;
-    VertexId member = no_id, first = no_id;  // `first`: of those with the same attributes
+    VertexId member = no_id, first = no_id;  // `first` is the first with the same attributes
     friend bool operator<(const Kind& a, const Kind& b) {
       return a.attributes != b.attributes ? a.attributes < b.attributes : a.member < b.member;
     }
   };
-  static constexpr WedgeId extra_mark = no_id;  // minus the place of an extra wedge and 1
+  static constexpr WedgeId extra_mark = no_id;  // minus 1 and the place of an extra wedge
 
   WedgeMesh raw_;
   unsigned threads_;
   WedgeMesh result_;
-  LargeVector<VertexId> sources_;  // by wedge: which vertex of raw_ it is
-  LargeVector<WedgeId> wedge_of_;  // by vertex of raw_
+  LargeVector<VertexId> sources_;  // per wedge, its vertex of raw_
+  LargeVector<WedgeId> wedge_of_;  // per vertex of raw_
   LargeVector<Extra> extras_;      // by ascending vertex
   PositionGroups groups_;
   std::vector<std::uint32_t> group_of_;
@@ -352,7 +351,7 @@ class PieceCollector::Welder {
 WedgeMesh PieceCollector::weld() { return Welder(std::move(raw_), thread_count(threads_)).run(report_); }
 
 constexpr double min_progress = 0.97;  // a level with a larger share of the triangles below it is left out
-constexpr double grouped = 0.15, simplified = 0.85;  // shares of the whole time
+constexpr double grouped = 0.15, simplified = 0.85;  // shares of the total time
 
 void check_options(const BuildOptions& options) {
   const OptionChecker check("hlod build");
@@ -366,7 +365,7 @@ void check_options(const BuildOptions& options) {
 
 class Builder {
  public:
-  // `journal`, which may be null, and the options outlive it.
+  // The options and `journal`, which may be null, must outlive the builder.
   Builder(WedgeMesh mesh, const BuildOptions& options, BuildJournal* journal)
       : mesh_(std::move(mesh)),
         within_(options.within),
@@ -385,7 +384,7 @@ class Builder {
   }
 
  private:
-  // Whether there may be another.
+  // Returns whether there may be another level.
   bool add_level() {
     LevelDraft& below = levels_.back();
     const double before = share_of(levels_.size() - 1), after = share_of(levels_.size());
@@ -405,7 +404,7 @@ class Builder {
     return !levels_.back().triangles.empty();
   }
 
-  // The next groups in the journal, of so many triangles, or those that make() makes.
+  // Returns the groups that the journal has next for this many triangles, or else those that make() makes.
   template <typename Make>
   TriangleGroups known_or(std::size_t triangles, const Make& make) {
     TriangleGroups groups;
@@ -415,7 +414,8 @@ class Builder {
     return groups;
   }
 
-  // What is done when so many levels above the input are: each takes a quarter of the time of the one below.
+  // Returns the share that is done when this many levels above the input are finished: each takes a quarter of the time
+  // of the level below.
   static double share_of(std::size_t levels) {
     return simplified * (1.0 - std::pow(0.25, static_cast<double>(levels)));
   }
@@ -442,12 +442,12 @@ Hlod build(WedgeMesh mesh, float lattice_step, const BuildOptions& options, Buil
   return make_hlod(std::move(data));
 }
 
-// Before the mesh is there, so that a journal that does not fit is told at once. Null: none.
+// Opens the journal before the mesh is there, so that one that does not fit is reported at once. Returns null for none.
 std::unique_ptr<BuildJournal> open_journal(const BuildOptions& options) {
   return options.journal.empty() ? nullptr : std::make_unique<BuildJournal>(options.journal, options);
 }
 
-// Of the lattice of positions; 0 without one.
+// Returns the step of the lattice of positions; 0 without one.
 float step_of(std::span<const glm::vec3> positions, const BuildOptions& options) {
   return options.quantise_bits == 0 ? 0.0F : lattice_step(bounding_box(positions), options.quantise_bits);
 }

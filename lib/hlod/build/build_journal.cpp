@@ -36,7 +36,7 @@ std::span<std::byte> writable_bytes_of(T& value) {
   return std::as_writable_bytes(std::span<T, 1>(&value, 1));
 }
 
-// Of a header or a record's head, whose last member is that.
+// Returns the checksum of a header or a record's head, without its last member, which stores it.
 template <typename T>
 std::uint64_t checksum_of(const T& head, std::uint64_t seed) {
   return XXH3_64bits_withSeed(&head, sizeof(head) - sizeof(head.checksum), seed);
@@ -46,7 +46,7 @@ void put(std::vector<std::byte>& to, std::span<const std::byte> bytes) {
   to.insert(to.end(), bytes.begin(), bytes.end());
 }
 
-// Pieces that are in memory at a time, of an array that may be larger.
+// Calls visit(piece) for the pieces that are in memory at a time, of an array that may be larger.
 template <typename T, typename Visit>
 void for_each_piece(std::span<T> values, const Visit& visit) {
   constexpr std::size_t most = std::size_t{1} << 18U;
@@ -56,7 +56,7 @@ void for_each_piece(std::span<T> values, const Visit& visit) {
   }
 }
 
-// Of all that nodes depend on; the arrays may be larger than memory.
+// Returns a hash of all that nodes depend on. The arrays may be larger than memory.
 std::uint64_t hash_of(const WedgeMesh& mesh) {
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
   XXH3_64bits_reset(state.get());
@@ -77,7 +77,7 @@ std::uint64_t hash_of(const WedgeMesh& mesh) {
   return XXH3_64bits_digest(state.get());
 }
 
-// Of a node to be written or read.
+// Calls visit() for each array of a node, to write or to read it.
 template <typename Node, typename Visit>
 void for_each_array(Node& node, const Visit& visit) {
   visit(node.triangles);
@@ -91,7 +91,7 @@ void for_each_array(Node& node, const Visit& visit) {
   visit(node.within.splits);
 }
 
-// What a node has beside its arrays.
+// Holds what a node has besides its arrays.
 struct NodeFacts {
   Box box;
   float error = 0.0F, guaranteed_error = 0.0F;
@@ -128,7 +128,7 @@ void BuildJournal::open() {
   if (found_) check(*found_);
 }
 
-// A journal whose header is damaged or cut off has no node that can be trusted.
+// Reads the header into found_, if it is undamaged; otherwise no record of the journal can be trusted.
 void BuildJournal::read_header() {
   Header header;
   const std::size_t size = std::min<std::uint64_t>(file_->size(), sizeof(header));
@@ -215,7 +215,7 @@ bool BuildJournal::take(SimplifiedNode& node) {
   }
   std::span<const std::byte> left = bytes_;
   const auto get = [&](std::span<std::byte> to) {
-    assert(to.size() <= left.size());  // its checksum says that append() wrote it
+    assert(to.size() <= left.size());  // the checksum guarantees that append() wrote it
     std::copy_n(left.begin(), to.size(), to.begin());
     left = left.subspan(to.size());
   };
@@ -234,7 +234,7 @@ bool BuildJournal::take(SimplifiedNode& node) {
   return true;
 }
 
-// Into bytes_, when it is whole.
+// Reads the next record into bytes_. Returns false when it is not whole.
 bool BuildJournal::read_record() {
   RecordHead head;
   if (file_->size() - place_ < sizeof(head)) return false;
@@ -259,7 +259,7 @@ void BuildJournal::append(const SimplifiedNode& node) {
   append_record();
 }
 
-// What is in bytes_ behind room for its head.
+// Writes the record whose body is in bytes_, behind room for its head.
 void BuildJournal::append_record() {
   RecordHead head;
   head.bytes = bytes_.size() - sizeof(head);

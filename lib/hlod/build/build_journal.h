@@ -1,4 +1,4 @@
-// What a build has finished, in a file, so that the same build takes it over when it starts again.
+// Records in a file what a build has finished, so that the same build can resume from it after an interruption.
 #pragma once
 
 #include <array>
@@ -18,46 +18,48 @@
 
 namespace occlod::hlod {
 
-// The groups of the input, then for each level the groups that its nodes are made from, and its nodes. First what the
-// file has is taken, in order, then the rest is appended. What follows the last whole node or groups, or damaged ones,
-// is cut off. All functions throw Error that names the file.
+// Stores the groups of the input and then, for each level, the groups that its nodes are made from and its nodes. The
+// caller first takes what the file has, in order, and then appends the rest. Whatever follows the last whole and
+// undamaged record is cut off. All functions throw Error that names the file.
 class BuildJournal {
  public:
-  // Of a file that need not exist, and is not made yet. Throws Error for one that another build uses, that is no
-  // journal, or is that of another version or of a build with other options.
+  // Opens the file if it exists, but does not create it. Throws Error when another build uses the file, when it is not
+  // a journal, or when it belongs to another version or to a build with other options.
   BuildJournal(std::filesystem::path path, const BuildOptions& options);
 
-  // Before all else, with the mesh as the build has it then. Makes the file. Throws Error likewise, and
-  // for a journal of another mesh. O(n).
+  // Must be called first, with the mesh as the build has it at that time. Creates the file if need be. Throws Error
+  // like the constructor, and for a journal of another mesh. O(n).
   void begin(const WedgeMesh& mesh);
-  // The groups of the next level, of so many triangles. False: it has none, and from now on all is appended.
+  // Reads the groups of the next level, which has this many triangles. Returns false when the file has none; from then
+  // on all calls must append.
   [[nodiscard]] bool take(std::size_t triangles, TriangleGroups& groups);
-  // The next node of the level, as the simplifier made it: so with its own numbers for the wedges that it adds.
-  // Likewise.
+  // Reads the next node of the level as the simplifier made it, with its own numbers for the wedges that it adds.
+  // Returns false when the file has none; from then on all calls must append.
   [[nodiscard]] bool take(SimplifiedNode& node);
-  // After take() has returned false. It outlives the process, but perhaps not the system.
+  // Appends a record; allowed once take() has returned false. The record survives the process, but perhaps not a system
+  // crash.
   void append(const TriangleGroups& groups);
   void append(const SimplifiedNode& node);
-  // Nodes so far.
+  // Returns the number of nodes that were taken.
   [[nodiscard]] std::size_t taken() const noexcept { return taken_; }
 
  private:
-  // All versions have the same.
+  // The layout is the same in all versions.
   struct Header {
     std::array<char, 8> magic{};
-    std::array<char, 64> builder{};  // a hash of all sources that decide what is in the rest
+    std::array<char, 64> builder{};  // hash of all sources that decide the contents of the records
     std::uint32_t node_triangles = 0, grouping = 0, borders = 0, within = 0;
     double boundary_weight = build_weights.boundary, attribute_weight = build_weights.attributes;
-    std::uint64_t mesh = 0;      // XXH3-64 of its arrays
-    std::uint64_t checksum = 0;  // XXH3-64 of what is above
+    std::uint64_t mesh = 0;      // XXH3-64 of the mesh's arrays
+    std::uint64_t checksum = 0;  // XXH3-64 of all fields before this one
   };
   static_assert(sizeof(Header) == 120);
 
-  // Before each node, and each piece of groups.
+  // Precedes each node and each piece of groups.
   struct RecordHead {
-    std::uint64_t bytes = 0;          // of what follows
-    std::uint64_t body_checksum = 0;  // XXH3-64 of that
-    std::uint64_t checksum = 0;       // of what is above, seeded with that of the record before: records have one order
+    std::uint64_t bytes = 0;          // size of the body that follows this head
+    std::uint64_t body_checksum = 0;  // XXH3-64 of the body
+    std::uint64_t checksum = 0;       // of the fields above, seeded with the previous record's: this fixes the order
   };
 
   void open();
@@ -72,14 +74,14 @@ class BuildJournal {
   [[noreturn]] void refuse(std::string place, std::string problem, std::string remedy) const;
 
   std::filesystem::path path_;
-  Header wanted_;  // of this build
+  Header wanted_;  // header that this build writes or expects
   std::optional<JournalFile> file_;
-  std::optional<Header> found_;  // in the file
-  std::uint64_t place_ = 0;      // of what is taken next
-  std::uint64_t checksum_ = 0;   // of the last one taken or appended; at first that of the header
+  std::optional<Header> found_;  // header in the file
+  std::uint64_t place_ = 0;      // offset of the next record to take
+  std::uint64_t checksum_ = 0;   // checksum of the last record taken or appended; at first that of the header
   bool all_taken_ = false;
   std::size_t taken_ = 0;
-  std::vector<std::byte> bytes_;  // of one record, with its head when it is appended
+  std::vector<std::byte> bytes_;  // one record, with its head when it is appended
 };
 
 }  // namespace occlod::hlod

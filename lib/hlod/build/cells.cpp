@@ -14,7 +14,7 @@ namespace occlod::hlod {
 namespace {
 
 constexpr std::uint32_t units_of_third = 1U << 20U;
-constexpr std::uint32_t units = 3 * units_of_third;  // of W
+constexpr std::uint32_t units = 3 * units_of_third;  // in W
 
 // Spreads the lower 21 bits of x to every third bit.
 std::uint64_t spread(std::uint64_t x) {
@@ -45,7 +45,7 @@ std::uint64_t OctreeGrid::code(const glm::dvec3& p, unsigned thirds) const {
 
 namespace {
 
-constexpr unsigned key_bits = 30;  // of the codes, the highest
+constexpr unsigned key_bits = 30;  // the highest bits of the codes, by which items are sorted first
 
 class CellMaker {
  public:
@@ -72,7 +72,7 @@ class CellMaker {
     for_each_id(codes_.size(), threads, [&](std::uint32_t i) { cells_.order[i] = keyed[i].item; });
   }
 
-  // Items [begin, end) of the order are those of one cell.
+  // Splits the cell that holds the items [begin, end) of the order.
   void split(std::uint32_t begin, std::uint32_t end, unsigned depth) {
     if (begin == end) return;
     if (end - begin <= max_items_) return add_leaf(begin);
@@ -89,13 +89,13 @@ class CellMaker {
     cells_.inner.push_back({first_leaf, static_cast<std::uint32_t>(cells_.first_item.size())});
   }
 
-  // The keys are used up.
+  // Sorts items whose keys do not tell them apart by their whole codes.
   void sort_further(std::uint32_t begin, std::uint32_t end) {
     std::sort(cells_.order.begin() + begin, cells_.order.begin() + end,
               [&](std::uint32_t a, std::uint32_t b) { return codes_[a] != codes_[b] ? codes_[a] < codes_[b] : a < b; });
   }
 
-  // Items that no cell separates.
+  // Cuts the items of a finest cell into leaves.
   void cut(std::uint32_t begin, std::uint32_t end) {
     const auto first_leaf = static_cast<std::uint32_t>(cells_.first_item.size());
     while (begin < end) {
@@ -131,15 +131,15 @@ namespace {
 
 using CellId = std::uint32_t;
 
-// Two cells that meet at a vertex.
+// Records that two cells meet at a vertex.
 struct Link {
   CellId a = 0, b = 0;  // a < b
   friend bool operator==(const Link&, const Link&) = default;
   friend bool operator<(const Link& x, const Link& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); }
 };
 
-// One for each vertex and two cells that follow each other among the vertex's cells: where many meet, a chain of links
-// is enough to join them. Each thread scans all triangles and handles the vertices of its part.
+// Returns a link for each two consecutive cells of a vertex: where many cells meet, a chain of links is enough to join
+// them. Each thread scans all triangles and handles the vertices of its part.
 LargeVector<Link> find_links(const Cells& cells, std::span<const Triangle> triangles, std::size_t vertex_count,
                              unsigned threads) {
   LargeVector<CellId> last_cell(vertex_count, no_id);
@@ -162,14 +162,14 @@ LargeVector<Link> find_links(const Cells& cells, std::span<const Triangle> trian
   return links;
 }
 
-// Two groups that might be joined. Out of date when either has changed since.
+// Names two groups that might be joined. It is out of date when either has changed since.
 struct Candidate {
   double score = 0.0;
   CellId a = 0, b = 0;
   std::uint32_t version_a = 0, version_b = 0;
 
   friend bool operator<(const Candidate& x, const Candidate& y) {
-    return std::tuple(x.score, y.a, y.b) < std::tuple(y.score, x.a, x.b);  // the first cells first
+    return std::tuple(x.score, y.a, y.b) < std::tuple(y.score, x.a, x.b);  // earlier cells first
   }
 };
 
@@ -201,7 +201,7 @@ class CellJoiner {
     for (std::uint32_t i = 0; i < cells_.inner.size(); ++i) {
       const LeafRange leaves = cells_.inner[i];
       while (next_leaf < leaves.end) waiting.push_back(next_leaf++);
-      auto first = waiting.end();  // all groups of the cell wait behind those of cells before it
+      auto first = waiting.end();  // all groups of the cell wait behind those of earlier cells
       while (first != waiting.begin() && *(first - 1) >= leaves.first) --first;
       std::vector<CellId> groups(first, waiting.end());
       waiting.erase(first, waiting.end());
@@ -215,7 +215,7 @@ class CellJoiner {
  private:
   struct Neighbour {
     CellId group = 0;
-    std::size_t shared = 0;  // vertices
+    std::size_t shared = 0;  // number of vertices
   };
 
   void join(const std::vector<CellId>& groups, std::uint32_t cell) {
@@ -240,7 +240,7 @@ class CellJoiner {
     }
   }
 
-  // b goes.
+  // Joins group b to a. b is no longer a group.
   void merge(CellId a, CellId b) {
     joined_to_[b] = a;
     size_[a] += size_[b];
@@ -269,7 +269,7 @@ class CellJoiner {
   CellGroups number() {
     CellGroups result;
     result.group_of.resize(cells_.leaf_count());
-    for (CellId cell = 0; cell < cells_.leaf_count(); ++cell)  // a cell is joined to one before it
+    for (CellId cell = 0; cell < cells_.leaf_count(); ++cell)  // a cell is joined to an earlier one
       result.group_of[cell] = joined_to_[cell] == cell ? result.count++ : result.group_of[joined_to_[cell]];
     return result;
   }
@@ -277,9 +277,9 @@ class CellJoiner {
   const Cells& cells_;
   std::uint32_t max_triangles_;
   std::vector<CellId> joined_to_;
-  std::vector<std::uint32_t> size_;      // triangles
-  std::vector<std::uint32_t> version_;   // counts changes
-  std::vector<std::uint32_t> cell_now_;  // the inner cell in which the group may be joined
+  std::vector<std::uint32_t> size_;      // number of triangles
+  std::vector<std::uint32_t> version_;   // number of changes
+  std::vector<std::uint32_t> cell_now_;  // inner cell in which the group may be joined
   std::vector<std::vector<Neighbour>> neighbours_;
   std::priority_queue<Candidate> queue_;
 };

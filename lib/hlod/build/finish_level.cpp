@@ -14,19 +14,19 @@
 namespace occlod::hlod {
 namespace {
 
-// Of a triangle without regard to its winding.
+// Returns a key of the triangle's corners that ignores its winding.
 std::uint64_t key_of(const Triangle& t) {
   const std::uint64_t low = std::min({t.x, t.y, t.z}), high = std::max({t.x, t.y, t.z});
   const std::uint64_t middle = std::uint64_t{t.x} + t.y + t.z - low - high;
   return low << 42U | middle << 21U | high;
 }
 
-// Whether the corners ascend when read round from the smallest.
+// Returns whether the corners ascend when read round from the smallest.
 bool is_even(const Triangle& t) { return ((t.x > t.y) + (t.y > t.z) + (t.z > t.x)) == 1; }
 
-// Whether any two may have the same corners.
+// Returns whether any two triangles may have the same corners.
 bool has_repeated(const std::vector<Triangle>& triangles) {
-  constexpr std::uint64_t empty = ~std::uint64_t{0};  // no key: corners differ
+  constexpr std::uint64_t empty = ~std::uint64_t{0};  // never a key, because corners differ
   const std::size_t mask = std::bit_ceil(2 * triangles.size() + 2) - 1;
   thread_local std::vector<std::uint64_t> slots;
   slots.assign(mask + 1, empty);
@@ -73,7 +73,7 @@ void cancel_opposite(std::vector<Triangle>& triangles, std::vector<Triangle>& co
 
 namespace {
 
-// Rounding of doubles must not make a sphere that holds another one too small for it.
+// Keeps rounding of doubles from making a sphere too small for one that it should contain.
 constexpr double slack = 1.0 + 1e-6;
 
 float rounded_up(double x) {
@@ -101,7 +101,7 @@ float area_of(const WedgeMesh& mesh, std::span<const Triangle> triangles) {
   return static_cast<float>(std::min(area, static_cast<double>(std::numeric_limits<float>::max())));
 }
 
-// Around the middle of `box`: of the box and of the children's spheres.
+// Returns a sphere around the middle of `box` that contains the box and the children's spheres.
 Sphere sphere_around(const Box& box, const std::vector<NodeDraft>& nodes, std::span<const std::uint32_t> children) {
   const glm::vec3 center(0.5 * (glm::dvec3(box.min) + glm::dvec3(box.max)));
   double radius = 0.0;
@@ -113,7 +113,7 @@ Sphere sphere_around(const Box& box, const std::vector<NodeDraft>& nodes, std::s
   return {center, rounded_up(radius * slack)};
 }
 
-// For each group the nodes with triangles in it.
+// Returns, for each group, the nodes with triangles in it.
 std::vector<std::vector<std::uint32_t>> children_of_groups(const LevelDraft& below, std::size_t groups) {
   std::vector<std::vector<std::uint32_t>> children(groups);
   for (std::uint32_t n = 0; n < below.nodes.size(); ++n) {
@@ -127,8 +127,8 @@ std::vector<std::vector<std::uint32_t>> children_of_groups(const LevelDraft& bel
   return children;
 }
 
-// From its children, its box and its own errors. Errors of levels are added as if they were independent: their sum
-// would drift upwards with every level, where measured errors do not.
+// Sets bounds and errors from the node's children, box and own errors. Errors of levels are added as if they were
+// independent: their sum would drift upwards with every level, whereas measured errors do not.
 void bound(NodeDraft& node, const std::vector<NodeDraft>& below) {
   node.lod_box = node.box;
   float guaranteed = 0.0F;

@@ -1,4 +1,4 @@
-// Removes triangles that cover each other with opposite faces.
+// Puts the nodes of one level together: removes triangles that cancel out, and computes links, bounds and errors.
 #pragma once
 
 #include <cstdint>
@@ -11,40 +11,39 @@
 
 namespace occlod::hlod {
 
-// Neighbouring nodes may have folded their surfaces onto each other: of each set of triangles with the same corners,
-// pairs of opposite winding go, so the oriented boundary stays what it is. The rest keeps its order. Ids are below
-// 2^21. `corners`: their wedges, which go with them; empty or as many. Expected O(n).
+// Removes pairs of triangles with the same corners and opposite winding, which remain where neighbouring nodes have
+// folded their surfaces onto each other. So the oriented boundary is unchanged. The remaining triangles keep their
+// order. Ids must be below 2^21. `corners` holds the triangles' wedges, which are removed with them, or is empty.
+// Expected O(n).
 void cancel_opposite(std::vector<Triangle>& triangles, std::vector<Triangle>& corners);
 void cancel_opposite(std::vector<Triangle>& triangles);
 
-// Puts the nodes of one level together: links, bounds and errors.
-
-// What simplification made of one group.
+// Holds the result of simplifying one group.
 struct SimplifiedNode {
   std::vector<Triangle> triangles;
-  std::vector<Triangle> corners;                // their wedges; empty without seams
-  std::vector<AddedWedge> added;                // wedges that the WedgeMesh does not have yet: numbered after its own
+  std::vector<Triangle> corners;                // wedges of the triangles; empty without seams
+  std::vector<AddedWedge> added;                // wedges that the WedgeMesh does not have yet, numbered after its own
   std::vector<VertexId> lost;                   // locked vertices that none of the triangles uses
   std::vector<Merge> merges;                    // all wedges of the group that were merged
-  std::vector<WedgeId> bare_targets;            // as in NodeDraft
-  Box box;                                      // as in Node
+  std::vector<WedgeId> bare_targets;            // see NodeDraft
+  Box box;                                      // see Node
   float error = 0.0F, guaranteed_error = 0.0F;  // of this node's own collapses alone
-  SplitsDraft within;                           // with Within::splits
+  SplitsDraft within;                           // filled with Within::splits
 };
 
-// Level 0: the groups of the input as they are.
+// Returns level 0: the groups of the input as they are.
 [[nodiscard]] LevelDraft input_level(const WedgeMesh& mesh, const TriangleGroups& groups, unsigned threads);
 
-// The level of the nodes that replace the triangles of `below` by its parent_of. The result does not depend on the
-// threads.
+// Builds the level of the nodes that replace the triangles of `below`, as its parent_of says. The result does not
+// depend on the number of threads.
 class LevelBuilder {
  public:
-  // Of so many nodes. All outlive it.
+  // Prepares for this number of nodes. The references must outlive the builder.
   LevelBuilder(const WedgeMesh& mesh, const LevelDraft& below, std::size_t nodes, unsigned threads);
 
-  // The next node; takes what it has. O(size).
+  // Appends the next node and moves its arrays out of `from`. O(size).
   void append(SimplifiedNode& from);
-  // After all nodes. O(n).
+  // Returns the level, after all nodes were appended. O(n).
   [[nodiscard]] LevelDraft finish();
 
  private:

@@ -31,7 +31,7 @@ LargeVector<std::uint8_t> shared_vertices(std::span<const Triangle> triangles, s
 
 namespace {
 
-constexpr std::uint32_t reduction = 4;  // triangles of a group to those of the node that is made of it
+constexpr std::uint32_t reduction = 4;  // triangles of a group per triangle of the node that is made of it
 
 TriangleGroups by_triangle(const Cells& cells, const CellGroups& groups, unsigned threads) {
   TriangleGroups result{LargeVector<std::uint32_t>(cells.order.size()), groups.count};
@@ -82,7 +82,7 @@ TriangleGroups TriangleGrouping::group_level(const LevelDraft& below, unsigned l
   return groups;
 }
 
-// All triangles of a node have its code, so that they end up in one cell.
+// All triangles of a node get its code, so that they end up in one cell.
 TriangleGroups TriangleGrouping::group_nodes(const LevelDraft& below) {
   if (node_codes_.empty()) find_node_codes(below);
   LargeVector<std::uint64_t> codes(below.triangles.size());
@@ -117,7 +117,7 @@ void TriangleGrouping::finish_level(const LevelDraft& below, const TriangleGroup
 
 namespace {
 
-// By group.
+// Returns, for each group, whether more than half of its corners are shared.
 std::vector<bool> find_stuck(std::span<const Triangle> triangles, std::size_t vertex_count,
                              const TriangleGroups& groups, unsigned threads) {
   const auto shared = shared_vertices(triangles, groups.group_of, vertex_count, threads);
@@ -131,7 +131,7 @@ std::vector<bool> find_stuck(std::span<const Triangle> triangles, std::size_t ve
   return stuck;
 }
 
-// The triangles at each vertex.
+// Lists the triangles at each vertex.
 struct Incidences {
   LargeVector<std::uint32_t> first;  // those at v are [first[v], first[v + 1])
   LargeVector<std::uint32_t> triangle;
@@ -176,7 +176,7 @@ class Grower {
   }
 
  private:
-  // Whatever still waits when a group is full begins the next one.
+  // Vertices that still wait when a group is full begin the next one.
   void add(std::uint32_t t) {
     if (size_ == max_triangles_) {
       ++groups_.count;
@@ -229,9 +229,10 @@ void grow_stuck_groups(std::span<const Triangle> triangles, std::span<const std:
 
 namespace {
 
-constexpr std::uint32_t smallest_share = 32;  // of node_triangles
-constexpr int max_moves = 20;                 // of one node: soups may consist of slivers
-// Of node_triangles. A group of so many triangles has at most three times as many vertices, which 16 bits can number.
+constexpr std::uint32_t smallest_share = 32;  // smaller patches, as a share of node_triangles, move
+constexpr int max_moves = 20;                 // per node, because soups may consist of slivers
+// As a multiple of node_triangles. A group of this many triangles has at most three times as many vertices, which 16
+// bits can number.
 constexpr std::uint32_t largest_group = 5;
 
 using Group = std::uint32_t;
@@ -241,7 +242,7 @@ struct PatchSize {
   std::uint32_t triangles = 0;
 };
 
-// What one node has in which group, and how that changes.
+// Tracks how many triangles of one node are in which group.
 class NodePatches {
  public:
   NodePatches(std::span<const Triangle> triangles, std::span<const Group> group_of)
@@ -254,7 +255,7 @@ class NodePatches {
     }
   }
 
-  // Whether anything has moved.
+  // Returns whether any patch has moved.
   bool move(std::uint32_t min_triangles) {
     int moves = 0;
     for (; moves < max_moves && sizes_.size() > 1; ++moves) {
@@ -274,7 +275,7 @@ class NodePatches {
   [[nodiscard]] std::span<const Group> group_of() const { return group_of_; }
 
  private:
-  // The place in sizes_ of the group that shares most corners with it; the largest where none does.
+  // Returns the place in sizes_ of the group that shares most corners with `group`; the largest group where none does.
   [[nodiscard]] std::size_t neighbour_of(Group group) const {
     std::vector<VertexId> corners;
     for (std::size_t i = 0; i < triangles_.size(); ++i)
@@ -295,7 +296,7 @@ class NodePatches {
 
   std::span<const Triangle> triangles_;
   std::vector<Group> group_of_;
-  std::vector<PatchSize> sizes_;  // by group
+  std::vector<PatchSize> sizes_;  // per group
 };
 
 void drop_empty_groups(std::span<const std::uint32_t> size, TriangleGroups& groups) {
@@ -309,7 +310,7 @@ void drop_empty_groups(std::span<const std::uint32_t> size, TriangleGroups& grou
 }  // namespace
 
 void move_slivers(const LevelDraft& level, std::uint32_t node_triangles, TriangleGroups& groups, unsigned threads) {
-  LargeVector<Group> moved(groups.group_of.size());  // groups of all triangles of those with slivers
+  LargeVector<Group> moved(groups.group_of.size());  // new groups of all triangles of nodes with slivers
   std::vector<char> has_moved(level.nodes.size(), 0);
   for_each_task(
       level.nodes.size(), threads, [] { return 0; },
@@ -340,7 +341,7 @@ void move_slivers(const LevelDraft& level, std::uint32_t node_triangles, Triangl
     if (fits) {
       std::copy_n(after, node.triangle_count, before);
       any = true;
-    } else {  // back
+    } else {  // moves back
       for (std::size_t i = 0; i < node.triangle_count; ++i) --size[after[i]], ++size[before[i]];
     }
   }

@@ -1,4 +1,4 @@
-// Which vertices several groups use.
+// Groups the triangles of one level into the nodes of the next.
 #pragma once
 
 #include <cstddef>
@@ -14,17 +14,15 @@
 
 namespace occlod::hlod {
 
-// By vertex: 1 where triangles of different groups use it, 0 elsewhere. `group_of` by triangle. The result does not
-// depend on the threads. O(n * threads) steps, shared by them.
+// Returns, per vertex, 1 where triangles of different groups use it and 0 elsewhere. `group_of` is indexed by triangle.
+// The result does not depend on the number of threads, which share O(n * threads) steps.
 [[nodiscard]] LargeVector<std::uint8_t> shared_vertices(std::span<const Triangle> triangles,
                                                         std::span<const std::uint32_t> group_of,
                                                         std::size_t vertex_count, unsigned threads);
 
-// Groups the triangles of one level into the nodes of the next.
-
-// Groups of triangles, numbered along a Morton curve.
+// Assigns a group to each triangle. Groups are numbered along a Morton curve.
 struct TriangleGroups {
-  LargeVector<std::uint32_t> group_of;  // by triangle
+  LargeVector<std::uint32_t> group_of;  // per triangle
   std::uint32_t count = 0;
 };
 
@@ -32,11 +30,12 @@ class TriangleGrouping {
  public:
   TriangleGrouping(const WedgeMesh& mesh, const BuildOptions& options, unsigned threads);
 
-  // Of the input: at most node_triangles in each group.
+  // Groups the input into groups of at most node_triangles.
   [[nodiscard]] TriangleGroups group_input() const;
-  // Of a level, the one below `level`: about four times as many. With nested groups no node is divided.
+  // Groups the triangles of `below`, the level below `level`, into groups about four times as large. Nested grouping
+  // divides no node.
   [[nodiscard]] TriangleGroups group_level(const LevelDraft& below, unsigned level);
-  // After each level, with its groups, whether they come from group_level() or are known from an earlier build.
+  // Must be called after each level with its groups, whether they come from group_level() or from an earlier build.
   void finish_level(const LevelDraft& below, const TriangleGroups& groups);
 
  private:
@@ -51,24 +50,23 @@ class TriangleGrouping {
   const BuildOptions& options_;
   unsigned threads_;
   OctreeGrid grid_;
-  std::vector<std::uint64_t> node_codes_;  // with nested groups: of a point in the cell of each node of the last level
+  // With nested groups, holds the code of a point in the cell of each node of the last level.
+  std::vector<std::uint64_t> node_codes_;
 };
 
-// Groups along the surface, where cells of space do not work.
-
-// Where triangles are much longer than the cells that so many of them fill, as on pipes with few bends, nearly all
-// vertices are shared by several groups, so that nothing could be simplified. If groups with more shared corners than
-// others have a quarter of the triangles or more, their triangles are grouped anew: from one triangle to those that
-// share a vertex with it, and so on, until a group has `max_triangles`; what is left around it begins the next.
-// `order` is all triangles along a Morton curve; groups are numbered along it. O(n).
+// Regroups triangles along the surface where groups by cells fail. Where triangles are much longer than the cells, as
+// on pipes with few bends, several groups share nearly all vertices, so that nothing could be simplified. If the groups
+// that have more shared than other corners hold a quarter of the triangles or more, their triangles are grouped anew:
+// each group grows from one triangle to those that share a vertex with it, and so on, until it has `max_triangles`; the
+// triangles left around it start the next. `order` holds all triangles along a Morton curve, along which groups are
+// numbered. O(n).
 void grow_stuck_groups(std::span<const Triangle> triangles, std::span<const std::uint32_t> order,
                        std::size_t vertex_count, std::uint32_t max_triangles, TriangleGroups& groups, unsigned threads);
 
-// Spares patches that are too small to be worth a draw call.
-
-// A patch is what a node has in one group. Those with less than a 32nd of `node_triangles` triangles move to the group
-// of the same node that shares most vertices with them, unless that makes a group too large for 16-bit indices. Any
-// assignment of triangles to groups is legal. The result does not depend on the threads. O(n log n) within each node.
+// Avoids patches that are too small to be worth a draw call. A patch is the set of a node's triangles in one group. A
+// patch of fewer than node_triangles / 32 triangles moves to the group of the same node that shares most vertices with
+// it, unless that makes the group too large for 16-bit indices. Any assignment of triangles to groups is legal. The
+// result does not depend on the number of threads. O(n log n) within each node.
 void move_slivers(const LevelDraft& level, std::uint32_t node_triangles, TriangleGroups& groups, unsigned threads);
 
 }  // namespace occlod::hlod

@@ -1,4 +1,4 @@
-// Numbers the distinct vertices of a small mesh in the order in which they are met.
+// Holds the input and the levels of an HLOD while it is built.
 #pragma once
 
 #include <bit>
@@ -15,19 +15,20 @@
 
 namespace occlod::hlod {
 
-// What decides which collapse is next, beside how far the surface moves. With weight `boundary`, relative to the
-// triangles beside them, planes hold boundary edges in place; `attributes`: how far texture coordinates, normals and
-// colours slip on the surface.
+// Weights that order collapses, in addition to how far the surface moves. Planes that hold boundary edges in place have
+// weight `boundary`, relative to the triangles beside them; `attributes` weighs how far texture coordinates, normals
+// and colours slip on the surface.
 struct BuildWeights {
   double boundary = 1.0;
   double attributes = 0.7;
 };
 inline constexpr BuildWeights build_weights;
 
-// An open hash table. Reused, it allocates only when it has to grow.
+// Numbers the distinct vertices of a small mesh in the order in which they are met. The hash table uses open addressing
+// and, when reused, allocates only to grow.
 class LocalIds {
  public:
-  // Forgets all; room for so many vertices.
+  // Forgets all vertices and makes room for `max_vertices`.
   void reset(std::size_t max_vertices) {
     vertices_.clear();
     const std::size_t slots = std::bit_ceil(2 * max_vertices + 2);
@@ -35,7 +36,7 @@ class LocalIds {
     slots_.assign(slots, no_id);
   }
 
-  // The number of v, a new one when it has none.
+  // Returns the number of v; assigns a new one if it has none.
   std::uint32_t add(VertexId v) {
     std::uint32_t& slot = slots_[find_slot(v)];
     if (slot == no_id) {
@@ -44,9 +45,9 @@ class LocalIds {
     }
     return slot;
   }
-  // The number of v, or no_id.
+  // Returns the number of v, or no_id.
   [[nodiscard]] std::uint32_t find(VertexId v) const { return slots_[find_slot(v)]; }
-  // By number.
+  // Returns the vertices, ordered by number.
   [[nodiscard]] std::span<const VertexId> vertices() const { return vertices_; }
 
  private:
@@ -61,19 +62,17 @@ class LocalIds {
   std::size_t mask_ = 0;
 };
 
-// The input of an HLOD while it is built, and the wedges that its levels add to it.
-
-// The arrays of a TriangleMesh, which may be larger than memory. Vertices stay; wedges are added where a collapse
-// stretches a chart over a vertex that had none in it.
+// Holds the arrays of a TriangleMesh, which may be larger than memory. Vertices never change; a wedge is added where a
+// collapse stretches a chart over a vertex that had none in it.
 struct WedgeMesh {
   LargeVector<glm::vec3> positions;
   LargeVector<glm::vec3> normals;
   LargeVector<glm::u8vec4> colors;
   LargeVector<glm::vec2> texture_coordinates;
-  LargeVector<VertexId> extra_wedges;  // their vertices; those that were added in no order
+  LargeVector<VertexId> extra_wedges;  // vertex of each extra wedge; added ones are in no order
   LargeVector<Triangle> triangles;
   LargeVector<Triangle> corners;
-  LargeVector<MaterialId> wedge_materials;  // by wedge; empty when triangles name none
+  LargeVector<MaterialId> wedge_materials;  // per wedge; empty when triangles name none
   std::vector<Material> materials;
   std::vector<Texture> textures;
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
@@ -83,12 +82,12 @@ struct WedgeMesh {
   [[nodiscard]] VertexId vertex_of(WedgeId wedge) const noexcept {
     return wedge < vertex_count() ? wedge : extra_wedges[wedge - vertex_count()];
   }
-  // Whether a vertex may have several wedges.
+  // Returns whether a vertex may have several wedges.
   [[nodiscard]] bool has_seams() const noexcept { return !extra_wedges.empty(); }
-  // Whether simplification takes attributes into account.
+  // Returns whether simplification takes attributes into account.
   [[nodiscard]] bool has_wedge_attributes() const noexcept { return has_seams() || !texture_coordinates.empty(); }
 
-  // A wedge of `vertex` with the attributes and the material of `like`.
+  // Adds a wedge of `vertex` with the attributes and the material of `like`.
   void add(VertexId vertex, WedgeId like) {
     const auto repeat = [](auto& values, WedgeId wedge) {
       if (!values.empty()) values.push_back(typename std::decay_t<decltype(values)>::value_type(values[wedge]));
@@ -102,27 +101,24 @@ struct WedgeMesh {
   }
 };
 
-// The same mesh with its vertices along a Morton curve, as in_spatial_order() has it. O(n).
+// Returns the same mesh with its vertices along a Morton curve, in the order of in_spatial_order(). O(n).
 [[nodiscard]] WedgeMesh to_wedge_mesh(const TriangleMesh& mesh, unsigned threads);
 
-// One level of an HLOD while it is built. Vertices are those of the input mesh, wedges those of the WedgeMesh. Without
-// seams a wedge is a vertex.
-
-// Wedge v of a node's input ended up in u.
+// Records that wedge v of a node's input was merged, perhaps through others, into u.
 struct Merge {
   WedgeId v = no_id;
   WedgeId u = no_id;
 };
 
-// The splits of a node by its input's own wedge numbers, which have 16 bits.
+// Lists the splits of a node by the node's own 16-bit numbers for the wedges of its input.
 struct SplitsDraft {
   struct Split {
     std::uint16_t v = 0, u = 0;  // v was merged into u
     float error = 0.0F;
   };
-  std::vector<WedgeId> wedges;         // by own number
-  std::vector<std::uint16_t> indices;  // three for each triangle that the node was made from
-  std::vector<Split> splits;           // the coarsest first; none: the node has no splits, the rest is empty too
+  std::vector<WedgeId> wedges;         // by the node's own number
+  std::vector<std::uint16_t> indices;  // three per triangle that the node was made from
+  std::vector<Split> splits;           // coarsest first; if there are none, the other arrays are empty too
 };
 
 struct NodeDraft {
@@ -135,16 +131,16 @@ struct NodeDraft {
   Box box, lod_box;
   Sphere sphere;
   float error = 0.0F, child_error = 0.0F, guaranteed_error = 0.0F, area = 0.0F;
-  SplitsDraft within;  // with Within::splits
+  SplitsDraft within;  // filled with Within::splits
 };
 
 struct LevelDraft {
   std::vector<NodeDraft> nodes;
-  LargeVector<Triangle> triangles;       // vertices, node by node
-  LargeVector<Triangle> corners;         // their wedges; empty without seams
-  LargeVector<Merge> merges;             // node by node
-  LargeVector<std::uint32_t> parent_of;  // of each triangle: the place on the next level of the node that replaces it;
-                                         // empty on the last level
+  LargeVector<Triangle> triangles;  // vertex ids, node by node
+  LargeVector<Triangle> corners;    // wedges of the triangles; empty without seams
+  LargeVector<Merge> merges;        // node by node
+  // Holds, per triangle, the place on the next level of the node that replaces it; empty on the last level.
+  LargeVector<std::uint32_t> parent_of;
 
   [[nodiscard]] std::span<const Merge> merges_of(const NodeDraft& node) const {
     return std::span<const Merge>(merges).subspan(node.first_merge, node.merge_count);

@@ -9,26 +9,26 @@
 namespace occlod::hlod {
 namespace {
 
-// Of at most `error` object units at this distance.
+// Returns the pixels that an error of `error` object units covers at most at this distance.
 double error_px(float error, double distance, const ScreenScale& scale) {
   const double covered_at_1 = scale.focal_length_px * scale.largest_stretch * static_cast<double>(error);
   return scale.orthographic ? covered_at_1 : covered_at_1 / std::max(distance, scale.min_distance);
 }
 
-// The inverse: object units that cover so many pixels.
+// Returns the inverse: the object units that cover this many pixels.
 double error_limit(double pixels, double distance, const ScreenScale& scale) {
   const double covers_1 = 1.0 / (scale.focal_length_px * scale.largest_stretch);
   return pixels * covers_1 * (scale.orthographic ? 1.0 : std::max(distance, scale.min_distance));
 }
 
-// To the nearest point, or less; below 0 inside.
+// Returns a distance that is at most that to the nearest point of the sphere; negative inside.
 double distance_to(const Sphere& sphere, const ScreenScale& scale) {
   const double to_center = glm::length(scale.axis_stretch * (glm::dvec3(sphere.center) - scale.eye));
   return to_center - static_cast<double>(sphere.radius) * scale.largest_stretch;
 }
 
-// World units along each object axis, where the axes stay at right angles; else the least stretch in any direction,
-// 1 over the largest of the inverse.
+// Returns the world units per object unit along each axis, if the axes stay at right angles; otherwise the least
+// stretch in any direction, which is 1 over the largest stretch of the inverse.
 glm::dvec3 axis_stretch(const glm::dmat3& linear) {
   const glm::dvec3 lengths(glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2]));
   const auto cosine = [&](int a, int b) { return std::abs(glm::dot(linear[a] / lengths[a], linear[b] / lengths[b])); };
@@ -36,7 +36,7 @@ glm::dvec3 axis_stretch(const glm::dmat3& linear) {
   if (std::max({cosine(0, 1), cosine(1, 2), cosine(2, 0)}) <= rounding) return lengths;
   const glm::dmat3 inverse = glm::inverse(linear);
   const glm::dmat3 square = glm::transpose(inverse) * inverse;
-  double largest = 0.0;  // no less than the largest eigenvalue
+  double largest = 0.0;  // at least the largest eigenvalue
   for (int column = 0; column < 3; ++column) {
     const glm::dvec3 c = glm::abs(square[column]);
     largest = std::max(largest, c.x + c.y + c.z);

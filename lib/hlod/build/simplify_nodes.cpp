@@ -16,10 +16,10 @@
 namespace occlod::hlod {
 namespace {
 
-constexpr std::size_t wanted_share = 4;    // a node is to have a quarter of its input's triangles,
-constexpr std::size_t smallest_share = 8;  // and has at least an eighth
+constexpr std::size_t wanted_share = 4;    // target: a quarter of its input's triangles
+constexpr std::size_t smallest_share = 8;  // minimum: an eighth
 constexpr std::uint32_t sampled_groups = 32;
-constexpr std::uint32_t groups_at_once = 512;  // whose results are in memory before they join their level
+constexpr std::uint32_t groups_at_once = 512;  // groups whose results are in memory at a time
 
 }  // namespace
 
@@ -28,7 +28,7 @@ class NodeSimplifier::Worker {
  public:
   Worker(const NodeSimplifier& all, const LevelDraft& below) : all_(all), below_(below) {}
 
-  // The cost at which a quarter of the group's triangles is left.
+  // Returns the cost at which a quarter of the group's triangles is left.
   float sample(std::uint32_t group) {
     gather(group);
     return simplify(std::numeric_limits<float>::max(), all_.members(group).size() / wanted_share).cost;
@@ -82,12 +82,12 @@ class NodeSimplifier::Worker {
     return {ids[t.x], ids[t.y], ids[t.z]};
   }
 
-  // Numbers the wedges as a TriangleMesh does: one of each vertex, then the others by their vertices.
+  // Numbers the wedges as a TriangleMesh does: first one of each vertex, then the others ordered by vertex.
   void sort_wedges() {
     const std::size_t vertices = vertices_.vertices().size(), wedges = seam_wedges_.vertices().size();
     wedges_.assign(vertices, no_id);
     std::vector<std::uint32_t> local(wedges);
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> extra;  // a vertex, and a wedge of it
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> extra;  // vertex, and one of its wedges
     for (std::uint32_t i = 0; i < wedges; ++i) {
       const WedgeId wedge = seam_wedges_.vertices()[i];
       const std::uint32_t v = vertices_.find(all_.mesh_.vertex_of(wedge));
@@ -108,7 +108,7 @@ class NodeSimplifier::Worker {
     if (extra.empty()) input_.corners.clear();
   }
 
-  // Positions; attributes only where they count.
+  // Copies positions, and attributes if they count.
   void copy_vertices() {
     const WedgeMesh& from = all_.mesh_;
     const auto copy = [&](const auto& of_all, auto& to) {
@@ -174,9 +174,9 @@ class NodeSimplifier::Worker {
   const NodeSimplifier& all_;
   const LevelDraft& below_;
   LocalIds vertices_;     // of the input mesh, by local number
-  LocalIds seam_wedges_;  // as they are met
+  LocalIds seam_wedges_;  // in the order in which they are met
   TriangleMesh input_;
-  std::vector<WedgeId> wedges_;  // by local number, after simplification those added too
+  std::vector<WedgeId> wedges_;  // by local number, after simplification with those added
   std::vector<std::uint8_t> locked_, used_;
 };
 
@@ -207,13 +207,13 @@ LevelDraft NodeSimplifier::run(LevelDraft& below, TriangleGroups groups, const P
   return result;
 }
 
-// The groups from `first_group` on.
+// Simplifies the groups from `first_group` on.
 void NodeSimplifier::simplify(const LevelDraft& below, std::uint32_t first_group, std::uint32_t group_count,
                               LevelBuilder& level, const ProgressPart& progress) {
   list_members(below, group_count);
   if (options_.borders == Borders::locked) lock(below, group_count);
-  // One node is simplified to a quarter. Several all stop at one cost: forced to a quarter each, those with many locked
-  // vertices would have errors many times the others', which every coarser node inherits.
+  // A single node is simplified to a quarter. Several all stop at one cost: if each were forced to a quarter, those
+  // with many locked vertices would have errors many times the others', which every coarser node inherits.
   const bool is_last = group_count == 1;
   const float max_cost = is_last ? std::numeric_limits<float>::max() : common_cost(below, group_count);
   const std::size_t share = is_last ? wanted_share : smallest_share;
@@ -262,8 +262,8 @@ std::span<const std::uint32_t> NodeSimplifier::members(std::uint32_t group) cons
                                                           first_member_[group + 1] - first_member_[group]);
 }
 
-// The median over groups, weighted by their size, of the cost at which a quarter is left; where there are many, over
-// every so manieth.
+// Returns the cost at which a quarter is left: the median over groups, weighted by size. Where there are many groups,
+// only every `step`-th is sampled.
 float NodeSimplifier::common_cost(const LevelDraft& below, std::uint32_t group_count) const {
   const std::uint32_t step = std::max(1U, group_count / sampled_groups);
   const std::uint32_t samples = (group_count + step - 1) / step;
@@ -291,7 +291,7 @@ void NodeSimplifier::join(SimplifiedNode& result, LevelBuilder& level) {
   level.append(result);
 }
 
-// What it has lost and added; wedges are numbered through, one node after the other.
+// Records what a node has lost and added. Added wedges are numbered consecutively over all nodes.
 void NodeSimplifier::note(SimplifiedNode& result) {
   losses_.insert(losses_.end(), result.lost.begin(), result.lost.end());
   if (result.added.empty()) return;
@@ -308,7 +308,7 @@ void NodeSimplifier::note(SimplifiedNode& result) {
   for (WedgeId& wedge : result.within.wedges) move(wedge);
 }
 
-// To the vertices that are left, once the level is finished: nodes share some of them.
+// Adds the wedges to the mesh and applies the losses once the level is finished, because nodes share vertices.
 void NodeSimplifier::pass_on(const LevelDraft& level) {
   for (const auto& [vertex, like] : added_) mesh_.add(vertex, like);
   for_each_id(level.merges.size(), 1, [&](std::uint32_t i) {

@@ -17,11 +17,11 @@ namespace occlod::hlod {
 
 class NodeSimplifier {
  public:
-  // All outlive it; the journal may be null.
+  // The references must outlive the simplifier. `journal` may be null.
   NodeSimplifier(WedgeMesh& mesh, const BuildOptions& options, unsigned threads, BuildJournal* journal);
 
-  // The level above `below`, whose parent_of is set to `groups`: nodes of the journal as far as it goes, then groups
-  // simplified. Adds wedges to the mesh. `progress` counts triangles of `below`.
+  // Returns the level above `below`, whose parent_of is set to `groups`. Takes nodes from the journal as far as it
+  // goes, and then simplifies the remaining groups. Adds wedges to the mesh. `progress` counts triangles of `below`.
   [[nodiscard]] LevelDraft run(LevelDraft& below, TriangleGroups groups, const ProgressPart& progress);
 
  private:
@@ -42,15 +42,17 @@ class NodeSimplifier {
   unsigned threads_;
   BuildJournal* journal_;
   float scale_;
-  // What the nodes of a level that is not finished have lost and added.
+  // Vertices and wedges that the nodes of the unfinished level have lost and added.
   LargeVector<VertexId> losses_;
   LargeVector<AddedWedge> added_;
-  // By vertex of the input mesh:
-  LargeVector<Box> boxes_;              // around the level-0 vertices that were merged into it
-  LargeVector<std::uint8_t> locked_;    // with locked borders: several nodes of the level share it, or `lost_`
-  LargeVector<std::uint8_t> lost_;      // was locked in a node of whose output it is no corner: stays locked for ever
-  LargeVector<std::uint32_t> members_;  // triangles of the level below, group by group
-  std::vector<std::uint32_t> first_member_;  // of each group; then a sentinel
+  // The next three arrays are indexed by vertex of the input mesh.
+  LargeVector<Box> boxes_;  // around the level-0 vertices that were merged into it
+  // Is 1, with locked borders, if several nodes of the level share the vertex or `lost_` is 1.
+  LargeVector<std::uint8_t> locked_;
+  // Is 1 once a node that had locked the vertex no longer has it as a corner: it stays locked for ever.
+  LargeVector<std::uint8_t> lost_;
+  LargeVector<std::uint32_t> members_;       // triangles of the level below, group by group
+  std::vector<std::uint32_t> first_member_;  // per group, place of its first triangle in members_; then a sentinel
 };
 
 }  // namespace occlod::hlod

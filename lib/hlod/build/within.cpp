@@ -57,7 +57,7 @@ std::optional<std::string> WithinPoints::add(NodeId n, std::span<const PointId> 
   for (std::size_t number = first_split(n); number < sorted.size(); ++number)
     number_of_[points_of_[first_[n] + number]] = static_cast<std::uint16_t>(number);
 
-  // Chains do not tell a triangle from none when its opposite is there too; counts do.
+  // Chains do not tell a triangle and its opposite from none; counts do.
   const NodeCut full = cut_with_splits(hlod_, n, hlod_.data().within[n].splits), none = cut_with_splits(hlod_, n, 0);
   if (full.indices.size() != within.indices.size() || !(triangles(n, full.indices) == input))
     return "do not lead back to the triangles that it was made from";
@@ -81,12 +81,13 @@ PointId WithinPoints::moved(PointId p, NodeId n, std::uint32_t splits) const {
 
 namespace {
 
-// Errors of levels are added as if they were independent, as those of nodes are.
+// Adds errors of levels as if they were independent, as for nodes.
 double joined(double child_error, double own) { return std::sqrt(child_error * child_error + own * own); }
 
 constexpr double quarter_steps[] = {1.0, 1.18920711500272106672, 1.41421356237309504880, 1.68179283050742908606};
 
-// By vertex of a node and its splits: the first vertex at the same place. Empty without seams, where no other is there.
+// Returns, per vertex of a node and its splits, the first vertex at the same place; empty without seams, where all
+// places differ.
 std::vector<std::uint16_t> vertices_by_place(const Hlod& hlod, NodeId n) {
   if (!hlod.data().has_seams) return {};
   const std::span<const glm::vec3> own = hlod.mesh(n).positions, more = hlod.within(n).positions;
@@ -205,7 +206,7 @@ class CutCache::Impl {
   [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
 
  private:
-  using Key = std::tuple<const Hlod*, NodeId, std::uint32_t>;  // the last: splits
+  using Key = std::tuple<const Hlod*, NodeId, std::uint32_t>;  // the last is the number of splits
   struct Entry {
     NodeCut cut;
     std::list<Key>::iterator place;  // in used_
@@ -218,7 +219,7 @@ class CutCache::Impl {
   std::size_t max_bytes_;
   std::size_t bytes_ = 0;
   std::map<Key, Entry> cuts_;
-  std::list<Key> used_;  // the longest unused first
+  std::list<Key> used_;  // longest unused first
 };
 
 CutCache::CutCache(std::size_t max_bytes) : impl_(std::make_unique<Impl>(max_bytes)) {}

@@ -1,4 +1,4 @@
-// Splits of one place belong together.
+// Maps the vertices of nodes refined within to positions of the input, for validate().
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,8 @@
 
 namespace occlod::hlod {
 
-// The least number of splits of node n, no less than `splits`, that applies all of a place or none. O(their number).
+// Returns the smallest number of splits of node n, at least `splits`, that applies all splits of a position or none.
+// O(splits at that position).
 [[nodiscard]] inline std::uint32_t whole_splits(const Hlod& hlod, NodeId n, std::uint32_t splits) {
   if (!hlod.data().has_seams) return splits;
   const NodeWithin& within = hlod.data().within[n];
@@ -24,21 +25,21 @@ namespace occlod::hlod {
   return splits;
 }
 
-// The vertices of cuts within nodes by the positions of the input: for validate().
-
-using PointId = std::uint32_t;  // of a position of level 0
+using PointId = std::uint32_t;  // id of a position of level 0
 
 class WithinPoints {
  public:
-  // Both outlive it; `points` is complete.
+  // Both references must outlive the object. `points` is complete.
   WithinPoints(const Hlod& hlod, const PositionIds& points);
 
-  // Identifies the vertices of node n, which has splits: of its mesh they are `own`. Checks the splits against its mesh
-  // and against the triangles that it was made from, whose chain is `input`. Returns what is wrong, or nothing.
+  // Identifies the vertices of node n, which has splits; `own` are the points of its mesh. Checks the splits against
+  // its mesh and against the triangles that it was made from, whose chain is `input`. Returns a description of the
+  // first problem, or nothing.
   [[nodiscard]] std::optional<std::string> add(NodeId n, std::span<const PointId> own, const ChainSum& input);
-  // Where point p, which node n has merged, is with the first `splits` splits applied; n has been added.
+  // Returns where point p, which node n has merged, lies when the first `splits` splits are applied. Node n has been
+  // added.
   [[nodiscard]] PointId moved(PointId p, NodeId n, std::uint32_t splits) const;
-  // Calls visit(p, where p is without splits) for the points that splits of n bring back.
+  // Calls visit(p, position of p without splits) for each point that splits of n bring back.
   template <typename Visit>
   void for_each_merge(NodeId n, const Visit& visit) const {
     for (std::size_t s = 0; s < hlod_.data().within[n].splits; ++s) {
@@ -46,7 +47,7 @@ class WithinPoints {
       visit(p, moved(p, n, 0));
     }
   }
-  // The chain of the edges of the cut of node n.
+  // Returns the chain of the edges of node n with this number of splits applied.
   [[nodiscard]] ChainSum edges(NodeId n, std::uint32_t splits) const;
 
  private:
@@ -56,9 +57,9 @@ class WithinPoints {
 
   const Hlod& hlod_;
   const PositionIds& points_;
-  std::vector<std::size_t> first_;        // by node, into points_of_
-  std::vector<PointId> points_of_;        // of all vertices of the nodes that have splits
-  std::vector<std::uint16_t> number_of_;  // by point: its number in the node that merged it
+  std::vector<std::size_t> first_;        // per node, its first place in points_of_
+  std::vector<PointId> points_of_;        // points of all vertices of the nodes that have splits
+  std::vector<std::uint16_t> number_of_;  // per point, its number in the node that merged it
 };
 
 }  // namespace occlod::hlod

@@ -12,14 +12,14 @@
 namespace occlod {
 namespace {
 
-// A pixel of the target is touched at most half its diagonal, 0.708 pixels, away from its centre. The rest is for the
-// 1/256 pixel of the rasteriser and for rounding.
+// A box touches a pixel of the target at most half the pixel's diagonal, 0.708 pixels, away from its centre. The rest
+// covers the rasteriser's 1/256 pixel and rounding.
 constexpr double growth_px = 0.75;
 
 bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-// Square root of the largest absolute row sum of M M^T: at least the largest stretch of M, and equal to it for a
-// rotation times a scale.
+// Returns the square root of the largest absolute row sum of M M^T: at least the largest stretch of M, and equal to it
+// for a rotation times a scale.
 double largest_stretch(const glm::dmat3& m) {
   const glm::dmat3 square = m * glm::transpose(m);
   double largest = 0.0;
@@ -42,8 +42,8 @@ Screen::Screen(const View& view, int target_divisor)
 
 ProxySpace::ProxySpace(const Screen& screen, const glm::dmat4& to_clip, bool is_mirrored)
     : object_to_clip(to_clip), mirrored(is_mirrored) {
-  // Rows of clip space scaled to pixels times w: x and y in pixels once divided by w, and the distance from the eye
-  // plane, which is w but for orthographic views, scaled like y.
+  // These are rows of clip space scaled to pixels times w: x and y are in pixels once divided by w. The distance from
+  // the eye plane, which is w except in orthographic views, is scaled like y.
   const glm::dvec3 x = glm::dvec3(glm::row(object_to_clip, 0)) * (screen.width / 2.0);
   const glm::dvec3 y = glm::dvec3(glm::row(object_to_clip, 1)) * (screen.height / 2.0);
   const glm::dvec3 distance = screen.orthographic ? glm::dvec3(glm::row(object_to_clip, 2)) * (screen.depth_range / 2.0)
@@ -64,8 +64,7 @@ Placement grown(const Placement& placement, const Screen& screen, const ProxySpa
   double farthest_w = glm::dot(w, glm::dvec4(placement.center, 1.0));
   for (int i = 0; i < 3; ++i)
     farthest_w += std::abs(glm::dot(glm::dvec3(w), placement.directions[i])) * placement.half[i];
-  // A point at depth w is half a diagonal of a pixel away from that pixel's centre: growth_px * w in pixels of the
-  // target times depth.
+  // At depth w, half a diagonal of a pixel measures growth_px * w in pixels of the target times depth.
   const double growth = growth_px * screen.divisor * std::max(farthest_w, 0.0);
   Placement result = placement;
   for (int i = 0; i < 3; ++i) {
@@ -77,12 +76,12 @@ Placement grown(const Placement& placement, const Screen& screen, const ProxySpa
 
 namespace {
 
-// Proxies that reach farther from the middle of the image, in pixels, are not drawn: there single precision is coarser
-// than 1/256 pixel.
+// Proxies that reach farther than this from the middle of the image, in pixels, are not drawn, because there single
+// precision is coarser than 1/256 pixel.
 constexpr double farthest_px = 65536.0;
 
-// What a depth buffer of single precision may be off by, of its largest value, with room to spare. Growing by a part of
-// a pixel is more, but for telescopes and for parallel rays over long ranges.
+// Bounds the error of a single-precision depth buffer relative to its largest value, with room to spare. Growing by a
+// part of a pixel moves boxes by more, except for telescopes and for orthographic views of long range.
 constexpr double depth_slack = 8.0 * std::numeric_limits<float>::epsilon();
 
 glm::dmat4 unit_to_object(const Placement& placement) {
@@ -113,7 +112,7 @@ BoxProxy project_box(const Screen& screen, const ProxySpace& space, const Box& b
   const double infinity = std::numeric_limits<double>::infinity();
   proxy.min = glm::dvec2(infinity);
   proxy.max = glm::dvec2(-infinity);
-  double nearest = infinity, farthest = -infinity;  // distances to the near plane, positive before the eye
+  double nearest = infinity, farthest = -infinity;  // distances to the near plane, positive in front of it
   bool finite = true;
   for (int i = 0; i < 8; ++i) {
     const glm::dvec4 clip = proxy.unit_to_clip * glm::dvec4((i & 1) != 0 ? 1.0 : -1.0, (i & 2) != 0 ? 1.0 : -1.0,
@@ -130,7 +129,7 @@ BoxProxy project_box(const Screen& screen, const ProxySpace& space, const Box& b
     proxy.kind = BoxProxy::Kind::beside;
     return proxy;
   }
-  // The near plane lies in front of the eye, so this holds back boxes around the eye too.
+  // The near plane lies in front of the eye, so this also rejects boxes around the eye.
   if (!finite || !(nearest > 0.0)) return proxy;
   const glm::dvec2 size(screen.width, screen.height);
   if (glm::any(glm::lessThan(proxy.max, glm::dvec2(0.0))) || glm::any(glm::greaterThan(proxy.min, size)))

@@ -1,4 +1,4 @@
-// From object space to clip space for depth buffers.
+// Computes the boxes that devices draw, slightly grown, to query whether nodes are visible: the same on every device.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,11 @@
 
 namespace occlod {
 
-// ObjectView's own matrix is single-precision. Close to the eye and far from the object's origin its rows for z and w
-// cancel, and each by itself is wrong by 2^-24 of what cancels: z / w by many steps of a depth buffer, differently for
-// each object. Here z is what it must be for that w, z = a w + b, so that what is left of the error moves a depth by no
-// larger part than w's. An orthographic z is kept: it is off by 2^-24 of the distance from the object's origin.
+// Returns the matrix from object space to clip space with exact depths for depth buffers. ObjectView's own matrix is
+// single-precision: close to the eye and far from the object's origin, its rows for z and w cancel, each with an error
+// of 2^-24 of what cancels. Then z / w is off by many steps of a depth buffer, differently for each object. Here z is
+// computed from w as z = a w + b, so the relative error of a depth is at most that of w. An orthographic z is kept: it
+// is off by 2^-24 of the distance from the object's origin.
 [[nodiscard]] inline glm::dmat4 clip_matrix(const Camera& camera, const ObjectView& object) {
   const double a = (camera.far + camera.near) / (camera.far - camera.near);
   const double b = -2.0 * camera.far * camera.near / (camera.far - camera.near);
@@ -37,13 +38,10 @@ namespace occlod {
   return matrices;
 }
 
-// Boxes and other bounds in object space, and how far they are grown before they are drawn in place of what they hold:
-// the same for every device.
-
 enum class ProxyShape { sphere, box, cylinder };
 
-// The view's image and the smaller one that proxies are drawn into: one sample for divisor x divisor pixels, the last
-// column and row for what is left of them.
+// Describes the view's image and the smaller target that proxies are drawn into. One sample of the target stands for
+// divisor x divisor pixels; the last column and row may stand for fewer.
 struct Screen {
   Screen() = default;
   explicit Screen(const View& view, int target_divisor = 1);
@@ -58,20 +56,21 @@ struct Screen {
   bool orthographic = false;
 };
 
-// One object's view in double precision, with what growing a bound by pixels needs.
+// Holds one object's view in double precision, with the quantities for growing a bound by pixels.
 struct ProxySpace {
-  // to_clip: see clip_matrix.
+  // `to_clip` is the matrix of clip_matrix().
   ProxySpace(const Screen& screen, const glm::dmat4& to_clip, bool is_mirrored);
 
   glm::dmat4 object_to_clip;
-  // Object units that move a point where w = 1 by one pixel, in any direction across or along the line of sight: the
-  // image of that unit ball reaches length(row(d)) along the unit vector d, and never more than reach.
+  // The ellipsoid of steps, in object units, that move a point where w = 1 by at most one pixel across or along the
+  // line of sight is the image of the unit ball under this matrix. It extends length(row(d)) along the unit vector d,
+  // and never more than `reach`.
   glm::dmat3 object_from_pixels;
   double reach = 0.0;
   bool mirrored = false;
 };
 
-// A bound as the image center + directions * (half * u) of a unit shape.
+// Describes a bound as the image center + directions * (half * u) of the points u of a unit shape.
 struct Placement {
   ProxyShape shape = ProxyShape::box;
   glm::dvec3 center{0.0};
@@ -79,38 +78,37 @@ struct Placement {
   glm::dvec3 half{0.0};        // object units, >= 0
 };
 
-// Nothing for boxes that are not finite or inside out.
+// Returns nothing for boxes that are not finite or are inside out.
 [[nodiscard]] std::optional<Placement> place_box(const Box& box);
-// Grows the placement so that it covers the sample of every pixel that it touches, at no greater depth than where it
-// touches it.
+// Returns the placement grown so that it covers the sample of every pixel that it touches, at no greater depth than
+// where it touches the pixel.
 [[nodiscard]] Placement grown(const Placement& placement, const Screen& screen, const ProxySpace& space);
 
-// The grown box that every device draws in place of a box that it is asked about: one proxy, whatever counts its
-// pixels.
-
+// Describes the grown box that every device draws for a queried box, however it counts pixels.
 struct BoxProxy {
   enum class Kind {
     beside,     // touches no pixel: before the near plane or beside the image; counts 0
-    drawn,      // what follows is filled in
+    drawn,      // the fields below are set
     uncertain,  // not finite, inside out, crosses the near plane, or reaches farther than 65,536 pixels from the middle
                 // of the image; counts all pixels of the image
   };
   Kind kind = Kind::uncertain;
 
-  glm::dmat4 unit_to_clip{1.0};  // from the cube [-1, 1]^3; not turned round for mirrored objects
+  glm::dmat4 unit_to_clip{1.0};  // from the cube [-1, 1]^3; not inverted for mirrored objects
   raster::ProjectedBox image;    // its corners in pixels and nearness
-  glm::dvec2 min{0.0};           // of the corners, pixels
-  glm::dvec2 max{0.0};           // likewise
+  glm::dvec2 min{0.0};           // smallest coordinates of the corners, pixels
+  glm::dvec2 max{0.0};           // largest coordinates of the corners, pixels
 };
 
-// The space of one object in a view, for boxes of it. With the matrix of clip_matrix().
+// Returns the space of one object in a view, with the matrix of clip_matrix().
 [[nodiscard]] ProxySpace proxy_space(const Screen& screen, const View& view, const ObjectView& object);
 
-// The proxy of a box in object space, grown() so that it covers the sample of every pixel at which anything inside the
-// box can show. O(1).
+// Returns the proxy of a box in object space, grown() so that it covers the sample of every pixel in which anything
+// inside the box can be visible. O(1).
 [[nodiscard]] BoxProxy project_box(const Screen& screen, const ProxySpace& space, const Box& box);
 
-// Pixels that the proxy covers on an empty screen: what a query would count. `outline` is scratch. O(rows covered).
+// Returns the number of pixels that the proxy covers on an empty screen, which is what a query would count there.
+// `outline` is scratch memory. O(rows covered).
 [[nodiscard]] std::uint32_t covered_pixels(const Screen& screen, const BoxProxy& proxy, raster::BoxOutline& outline);
 
 }  // namespace occlod

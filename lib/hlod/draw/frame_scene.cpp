@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t max_points = 8;
 
-// A convex polygon; each of the image's four sides cuts off corners and adds one at most.
+// Holds a convex polygon. Each of the image's four sides cuts off corners and adds at most one.
 struct Polygon {
   std::array<glm::dvec2, max_points + 4> corners;
   std::size_t size = 0;
@@ -29,7 +29,7 @@ double cross(const glm::dvec2& o, const glm::dvec2& a, const glm::dvec2& b) {
   return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
 }
 
-// Andrew's monotone chain: the lower half from left to right, then the upper half back.
+// Returns the convex hull by Andrew's monotone chain: the lower half from left to right, then the upper half back.
 Polygon hull_of(std::span<const glm::dvec2> points) {
   std::array<glm::dvec2, max_points> sorted;
   auto end = sorted.begin();
@@ -42,7 +42,7 @@ Polygon hull_of(std::span<const glm::dvec2> points) {
     ++end;
   }
   Polygon hull;
-  std::size_t fixed = 1;  // corners that the current half must keep
+  std::size_t fixed = 1;  // number of corners that the current half must keep
   const auto extend = [&](const glm::dvec2& p) {
     while (hull.size > fixed && cross(hull.corners[hull.size - 2], hull.corners[hull.size - 1], p) <= 0.0) --hull.size;
     hull.add(p);
@@ -52,11 +52,11 @@ Polygon hull_of(std::span<const glm::dvec2> points) {
   for (std::size_t i = 1; i < n; ++i) extend(sorted[i]);
   fixed = hull.size;
   for (std::size_t i = n - 1; i-- > 0;) extend(sorted[i]);
-  --hull.size;  // the first corner again
+  --hull.size;  // it repeats the first corner
   return hull;
 }
 
-// What lies where p[axis] >= 0 or, for the opposite side, p[axis] <= end (Sutherland & Hodgman).
+// Returns the part where p[axis] >= 0 or, for the opposite side, p[axis] <= end (Sutherland & Hodgman).
 Polygon clipped(const Polygon& polygon, int axis, double sign, double end) {
   Polygon result;
   const auto inside = [&](const glm::dvec2& p) { return sign * p[axis] <= end; };
@@ -107,7 +107,7 @@ double ObjectFrame::error_px(const Node& node) const {
 }
 
 double ObjectFrame::min_error_px(const Node& node) const {
-  if (metric_ == Metric::guaranteed) return guaranteed_error_px(node, scale_);  // how little is left is not known
+  if (metric_ == Metric::guaranteed) return guaranteed_error_px(node, scale_);  // its minimum is unknown
   return metric_ == Metric::box ? min_screen_error_px(node, scale_) : min_sphere_error_px(node, scale_);
 }
 
@@ -128,7 +128,7 @@ bool ObjectFrame::may_be_inside(const Box& box) const {
     const glm::dvec3 to_min = normal * glm::dvec3(box.min), to_max = normal * glm::dvec3(box.max);
     const glm::dvec3 innermost = glm::max(to_min, to_max), terms = glm::max(glm::abs(to_min), glm::abs(to_max));
     const double offset = plane.w;
-    const double slack = 1e-6 * (terms.x + terms.y + terms.z + std::abs(offset));  // planes are floats
+    const double slack = 1e-6 * (terms.x + terms.y + terms.z + std::abs(offset));  // because planes are floats
     return !(innermost.x + innermost.y + innermost.z + offset < -slack);
   });
 }
@@ -155,8 +155,8 @@ std::optional<double> ObjectFrame::outline_pixels(const Box& box) const {
   return hull_area_inside(corners, {screen_.width, screen_.height});
 }
 
-// C06, sec. 4.3: the face of a cube of the same volume, at the distance of the centre of the bounding sphere; at most
-// the image, which the paper does not say.
+// Charalambos 2006, sec. 4.3, takes the face of a cube of the same volume at the distance of the centre of the bounding
+// sphere. We limit it to the image, which the paper does not mention.
 double ObjectFrame::cube_pixels(const Node& node) const {
   const glm::dvec3 extent = glm::dvec3(node.box.max) - glm::dvec3(node.box.min);
   const double edge = std::cbrt(extent.x * extent.y * extent.z * volume_scale_);
@@ -234,7 +234,7 @@ bool FrameScene::stops(NodeRef n, double bias) {
 }
 
 void FrameScene::raise_floor(NodeRef n) {
-  constexpr double beyond = 1.01;  // the tolerance
+  constexpr double beyond = 1.01;  // relative to the tolerance
   NodeState& s = state(n);
   s.bias_floor = static_cast<float>(std::min(1.0, beyond * options_.tolerance_px / min_error_px(n)));
   s.floor_frame = frame_;
@@ -275,7 +275,7 @@ double occlusion_probability(double cover_probability, LastSight last) noexcept 
 
 namespace {
 
-// Two parabolas that meet at t with slope 2.
+// Joins two parabolas at t, with slope 2 there.
 double sigmoid(double mu, double t) {
   return mu <= t && t > 0.0 ? mu * mu / t : 1.0 - (1.0 - mu) * (1.0 - mu) / (1.0 - t);
 }

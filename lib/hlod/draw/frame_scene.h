@@ -1,4 +1,4 @@
-// Areas of what points surround in an image.
+// Holds what traversal computes from bounds in one view, and its state for each node.
 #pragma once
 
 #include <algorithm>
@@ -20,33 +20,33 @@
 
 namespace occlod::hlod {
 
-// Pixels of the part of the convex hull of at most 8 points that lies in [0, size.x] x [0, size.y].
+// Returns the area, in pixels, of the part of the convex hull of at most 8 points inside [0, size.x] x [0, size.y].
 [[nodiscard]] double hull_area_inside(std::span<const glm::dvec2> points, const glm::dvec2& size);
 
-// Everything visible counts in full: plain screen-space error.
+// Returns the bias under plain screen-space error: everything visible counts in full.
 [[nodiscard]] constexpr double no_bias(double mu) noexcept { return mu > 0.0 ? 1.0 : 0.0; }
 
-// One object in one view: what traversal computes of a node from its bounds.
-
+// Computes from a node's bounds what traversal needs of one object in one view.
 class ObjectFrame {
  public:
   ObjectFrame(const View& view, const PlacedHlod& placed, const Trial& trial = {});
 
   [[nodiscard]] double error_px(const Node& node) const;
-  // Refined within as far as possible.
+  // Returns the error of the node refined within as far as possible.
   [[nodiscard]] double min_error_px(const Node& node) const;
-  // Object units; of so many pixels.
+  // Returns the error in object units that appears as this many pixels.
   [[nodiscard]] double error_limit(const Node& node, double pixels) const;
-  // By which nodes are taken in turn: world units from the eye, or from the eye plane where rays are parallel.
+  // Returns the key by which nodes are ordered: the distance from the eye, or from the eye plane in orthographic views,
+  // in world units.
   [[nodiscard]] double distance(const Box& box) const;
-  // False only when no point of the box is inside the frustum.
+  // Returns false only when no point of the box is inside the frustum.
   [[nodiscard]] bool may_be_inside(const Box& box) const;
-  // Share of the image that a box covers, whether inside it or not: box_coverage().
+  // Returns the share of the image that a box covers by box_coverage(), even if it lies outside the frustum.
   [[nodiscard]] double coverage(const Box& box) const;
-  // Of the image.
+  // Returns the number of pixels of the image.
   [[nodiscard]] double pixels() const noexcept { return static_cast<double>(screen_.width) * screen_.height; }
-  // Pixels that the node's box covers on an empty screen, as `alpha` counts them. Nothing where devices would not draw
-  // it but count all pixels, as around the eye: such nodes are visible.
+  // Returns the number of pixels that the node's box covers on an empty screen, counted as `alpha` says. Returns
+  // nothing where devices would count all pixels without drawing the box, as around the eye: such nodes are visible.
   [[nodiscard]] std::optional<double> box_pixels(const Node& node) const;
 
  private:
@@ -57,15 +57,13 @@ class ObjectFrame {
   ScreenScale scale_;
   Screen screen_;
   ProxySpace proxy_space_;
-  glm::dvec4 depth_;     // dot product with (p, 1): distance from the eye plane, world units
+  glm::dvec4 depth_;     // dot product with (p, 1) is the distance from the eye plane, world units
   double volume_scale_;  // cubic world units per cubic object unit
   Metric metric_;
   Alpha alpha_;
 };
 
-// What traversal knows of a node, in this frame and from the last.
-
-// A node of one of the objects.
+// Names a node of one of the objects.
 struct NodeRef {
   std::uint32_t object = 0;
   NodeId node = 0;
@@ -73,8 +71,8 @@ struct NodeRef {
 
 enum class Status : std::uint8_t {
   absent,          // no parent has been refined so far
-  undecided,       // reached: in the queue, or asked about
-  held,            // wants to be refined, or refined within, but a parent is undecided
+  undecided,       // reached: in the queue, or a query is pending
+  held,            // to be refined or refined within, but a parent is undecided
   refined,         // replaced by its children
   stopped,         // drawn where its parents are refined
   culled,          // outside the frustum, or hidden
@@ -82,34 +80,34 @@ enum class Status : std::uint8_t {
   absent_culled,   // never reached, since all coarser nodes are culled
 };
 
-// What is left of the frame before.
+// Tells what is known of a node from the last frame.
 struct LastFrame {
   bool visited = false;  // reached, and inside the frustum
-  bool visible = false;  // of those, it or a node below it was seen
-  bool refined = false;  // of those, not stopped
-  bool asked = false;    // reached, and asked about
+  bool visible = false;  // visited, and it or a node below it was seen
+  bool refined = false;  // visited, and not stopped
+  bool asked = false;    // reached, and queried
 };
 
 struct NodeState {
-  std::uint32_t frame = 0;        // that the fields below are of; 0: none
-  std::uint32_t floor_frame = 0;  // in which bias_floor was set
-  float bias = 1.0F;              // of the last answer; 1 again where the last frame did not visit the node
-  float bias_floor = 0.0F;        // the least bias that the frame after floor_frame reckons with
-  NodeId first_held = no_id;      // of the nodes that are held until this one is decided
-  NodeId next_held = no_id;       // of those held for the same node
-  float drawn_bias = 1.0F;        // that the node is drawn with, or will be when it is not held any more
+  std::uint32_t frame = 0;        // frame of the fields below; 0: none
+  std::uint32_t floor_frame = 0;  // frame in which bias_floor was set
+  float bias = 1.0F;              // by the last answer; 1 again when the last frame did not visit the node
+  float bias_floor = 0.0F;        // least bias to assume in the frame after floor_frame
+  NodeId first_held = no_id;      // first of the nodes that are held until this one is decided
+  NodeId next_held = no_id;       // next node that is held for the same node
+  float drawn_bias = 1.0F;        // bias with which the node is drawn, or will be drawn when it is no longer held
   Status status = Status::absent;
   bool visited : 1 = false;
   bool visible : 1 = false;
   bool asked : 1 = false;
-  bool denied : 1 = false;        // wanted to be refined, and a parent was drawn
-  bool floored : 1 = false;       // it would have stopped without its bias_floor
+  bool denied : 1 = false;        // was to be refined, but a parent was drawn
+  bool floored : 1 = false;       // would have stopped without its bias_floor
   bool gone : 1 = false;          // found hidden after it was refined, or all its parents are gone or culled
-  bool held_to_stop : 1 = false;  // held, and to be refined within
+  bool held_to_stop : 1 = false;  // held, and to be drawn refined within
   bool cut : 1 = false;           // drawn refined within
   bool delayed : 1 = false;       // drawn only when its answer came
-  bool hidden : 1 = false;        // so it was answered
-  bool wasted : 1 = false;        // answered visible, and nothing was decided by it
+  bool hidden : 1 = false;        // the answer was that it is hidden
+  bool wasted : 1 = false;        // answered visible, which decided nothing
   bool answered : 1 = false;      // the answer was read
   bool last_visited : 1 = false;
   bool last_visible : 1 = false;
@@ -124,7 +122,7 @@ static_assert(sizeof(NodeState) <= 32);
   return {true, state.visible, state.status == Status::refined, state.asked};
 }
 
-// Before the fields of this frame are used.
+// Starts the state's frame; call before its fields are used in this frame.
 inline void enter_frame(NodeState& state, std::uint32_t frame) noexcept {
   if (state.frame == frame) return;
   const LastFrame last = last_frame(state, frame);
@@ -141,15 +139,14 @@ inline void enter_frame(NodeState& state, std::uint32_t frame) noexcept {
   state.frame = frame;
 }
 
-// Nodes that have been reached, the nearest first.
-
 struct ReachedNode {
-  double distance = 0.0;  // as ObjectFrame::distance()
+  double distance = 0.0;  // see ObjectFrame::distance()
   NodeRef ref;
-  std::uint32_t place = 0;  // how many nodes were reached before it in this frame
+  std::uint32_t place = 0;  // number of nodes that were reached before it in this frame
 };
 
-// Ties by object, then by node, so coarse nodes first.
+// Orders the reached nodes by distance, nearest first. Breaks ties by object, then by node id, so coarse nodes come
+// first.
 class DistanceQueue {
  public:
   void clear() noexcept { heap_.clear(); }
@@ -175,21 +172,20 @@ class DistanceQueue {
   std::vector<ReachedNode> heap_;
 };
 
-// What a frame is traversed with: the objects in its view, and their nodes' states.
-
+// Holds the objects in the view of a frame, the options, and the states of all nodes.
 class FrameScene {
  public:
   explicit FrameScene(std::span<const PlacedHlod> objects);
 
-  // Forgets all that is known of nodes.
+  // Forgets the states of all nodes.
   void forget();
-  // biased: errors are compared by what is visible of nodes, where the trial says so too.
+  // Errors are multiplied by a bias for the visible share of a node if `biased` is true and the trial allows it.
   void begin_frame(const View& view, std::span<const PlacedHlod> objects, const TraverseOptions& options,
                    const Trial& trial, bool biased);
 
-  // Nodes that were reached in this frame.
+  // Ends the frame, in which `reached` nodes were reached.
   void end_frame(std::uint32_t reached) noexcept { reached_last_ = reached; }
-  // Nodes that were reached in the last frame; 0 before the first.
+  // Returns the number of nodes that were reached in the last frame; 0 before the first.
   [[nodiscard]] std::uint32_t reached_last() const noexcept { return reached_last_; }
 
   [[nodiscard]] std::uint32_t frame() const noexcept { return frame_; }
@@ -203,43 +199,46 @@ class FrameScene {
   [[nodiscard]] LastFrame last(NodeRef n) const noexcept { return last_frame(state(n), frame_); }
   [[nodiscard]] const ObjectFrame& view_of(NodeRef n) const noexcept { return frames_[n.object]; }
 
-  // As the node is.
+  // Returns the error of the node as it is.
   [[nodiscard]] double error_px(NodeRef n) const { return view_of(n).error_px(node(n)); }
-  // Without replacing it by its children.
+  // Returns the smallest error of the node without replacing it by its children.
   [[nodiscard]] double min_error_px(NodeRef n) const {
     return may_be_cut(n) ? view_of(n).min_error_px(node(n)) : error_px(n);
   }
-  // Of a node of which this share is visible.
+  // Returns the bias of a node of which the share mu is visible.
   [[nodiscard]] double bias(double mu) const noexcept { return biased_ ? options_.bias(mu) : no_bias(mu); }
-  // Whether the node is as fine as it should be with this bias, refined within if need be. With a tolerance of 0 only
-  // level 0 is, whatever the error.
+  // Returns whether the node, refined within if need be, meets the tolerance with this bias. With a tolerance of 0 only
+  // level 0 does, whatever the error.
   [[nodiscard]] bool is_within_tolerance(NodeRef n, double bias) const;
-  // Whether the node cannot be refined in this frame: the mesh of a child that may be inside the frustum is not there.
+  // Returns whether the node cannot be refined in this frame because the mesh of a child that may be inside the frustum
+  // is not loaded.
   [[nodiscard]] bool lacks_children(NodeRef n) const;
-  // Whether the node is as fine as it should be or as it can be: what is not there is as if there was nothing below.
+  // Returns whether the node is as fine as required, or as fine as loaded meshes allow.
   [[nodiscard]] bool is_fine(NodeRef n, double bias) const { return is_within_tolerance(n, bias) || lacks_children(n); }
-  // The same, but for what finer nodes needed of it in the last frame (raise_floor()). Notes when that decides.
+  // Like is_fine(), but honours the floor that finer nodes set in the last frame with raise_floor(). Records when the
+  // floor decides.
   [[nodiscard]] bool stops(NodeRef n, double bias);
-  // Whether a node that is fine enough with this bias is so only when it is refined within.
+  // Returns whether a node is fine enough with this bias only when it is refined within.
   [[nodiscard]] bool needs_cut(NodeRef n, double bias) const {
     return may_be_cut(n) && bias * error_px(n) > options_.tolerance_px && is_fine(n, bias);
   }
-  // To which error, object units. bias > 0.
+  // Returns the error, in object units, to which the node is refined within. bias > 0.
   [[nodiscard]] double cut_error(NodeRef n, double bias) const {
     return view_of(n).error_limit(node(n), options_.tolerance_px / bias);
   }
-  // With so many of its splits applied.
+  // Returns the error of the node with this number of its splits applied, in pixels.
   [[nodiscard]] double cut_error_px(NodeRef n, std::uint32_t splits) const {
     const double error = error_of_splits(hlod(n), n.node, splits);
     return std::max(error / view_of(n).error_limit(node(n), 1.0), min_error_px(n));
   }
-  // The mesh of the node is used in this frame, if it is there.
+  // Tells the store that this frame uses the node's mesh, if it is loaded.
   void need(NodeRef n) const;
-  // Whether the children that may be inside the frustum are there, read if need be.
+  // Returns whether the children that may be inside the frustum are loaded; reads them if the store is blocking.
   [[nodiscard]] bool fetch_children(NodeRef n);
-  // The node is drawn with this bias because they are not.
+  // Asks the store for these children, because the node is drawn with this bias without them.
   void want_children(NodeRef n, double bias);
-  // Lets the node be refined in the next frame, since a finer one cannot be drawn without. Only its bias is against it.
+  // Lets the node be refined in the next frame, since a finer node cannot be drawn otherwise. Call it only where the
+  // node's bias alone prevents that.
   void raise_floor(NodeRef n);
 
  private:
@@ -250,10 +249,10 @@ class FrameScene {
   void find_children_inside(NodeRef n);
 
   std::vector<const Hlod*> hlods_;
-  std::vector<NodeStore*> stores_;              // by object; null where all meshes are there
-  std::vector<NodeId> children_inside_;         // scratch
-  std::vector<std::vector<NodeState>> states_;  // by object, then by node
-  std::vector<ObjectFrame> frames_;             // by object
+  std::vector<NodeStore*> stores_;              // per object; null when all its meshes are in memory
+  std::vector<NodeId> children_inside_;         // scratch memory
+  std::vector<std::vector<NodeState>> states_;  // per object, then per node
+  std::vector<ObjectFrame> frames_;             // per object
   TraverseOptions options_;
   Trial trial_;
   bool biased_ = false;

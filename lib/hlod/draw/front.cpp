@@ -8,7 +8,7 @@
 
 namespace occlod::hlod {
 
-// Neighbouring patches become one range where they morph alike. A sum of hashes does not depend on the order of draws.
+// Joins neighbouring patches that morph alike into one range. A sum of hashes does not depend on the order of draws.
 void DrawRecorder::add(NodeRef n, const Patch& patch, std::uint32_t place) {
   const DrawRange range{patch.first_index, patch.index_count, morph(n, patch.parent)};
   std::vector<DrawRange>& ranges = frame_.ranges;
@@ -64,7 +64,8 @@ void DrawRecorder::submit_cut(NodeRef n, bool first, const NodeCut& cut) {
   device_.draw({n.object, n.node, {}, cut.indices, cut.splits});
 }
 
-// From as in the parent, where its error is the tolerance, to as they are, where it is twice that.
+// Returns 1, as in the parent, where the parent's error is the tolerance, down to 0, as in the mesh, where it is twice
+// that.
 float DrawRecorder::morph(NodeRef n, NodeId parent) const {
   const TraverseOptions& options = scene_.options();
   if (!options.geomorph || parent == no_id || !(options.tolerance_px > 0.0)) return 0.0F;
@@ -103,8 +104,8 @@ void Front::reach(NodeRef n) {
   queue_.push({scene_.view_of(n).distance(scene_.node(n).box), n, reached_++});
 }
 
-// Of a node that was never reached its parents tell: none of them is refined. What is found holds for the frame, unless
-// a node that is drawn is refined after all; then its children are reached.
+// The parents of a node that was never reached determine its status: none of them is refined. The result holds for the
+// frame, unless a drawn node is refined after all; then its children are reached.
 Status Front::resolve(NodeRef n) {
   NodeState& state = scene_.state(n);
   enter_frame(state, scene_.frame());
@@ -151,7 +152,7 @@ void Front::refine(NodeRef n) {
 
 void Front::hold(NodeRef n) {
   const Permission permission = may_refine(n);
-  assert(permission == Permission::pending && undecided_.node < n.node);  // coarser, so nothing waits in a circle
+  assert(permission == Permission::pending && undecided_.node < n.node);  // coarser, so nodes never wait in a circle
   static_cast<void>(permission);
   NodeState& state = scene_.state(n);
   NodeState& awaited = scene_.state(undecided_);

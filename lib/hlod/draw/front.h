@@ -1,4 +1,4 @@
-// Makes draws on a device and writes them down.
+// Decides which nodes are refined, drawn and culled in a frame, and draws them.
 #pragma once
 
 #include <cstddef>
@@ -10,14 +10,15 @@
 
 namespace occlod::hlod {
 
+// Makes draws on a device and records them in the frame.
 class DrawRecorder {
  public:
-  // All outlive the recorder.
+  // The references must outlive the recorder.
   DrawRecorder(const FrameScene& scene, RenderDevice& device, CutCache& cuts, Frame& frame)
       : scene_(scene), device_(device), cuts_(cuts), frame_(frame) {}
 
-  // Draws the patches of node n for which is_drawn(parent) holds, if any. `first`: nothing of it has been drawn in this
-  // frame before.
+  // Draws the patches of node n for which is_drawn(parent) is true, if any. `first` tells that no patch of it was drawn
+  // in this frame.
   template <typename IsDrawn>
   void draw(NodeRef n, bool first, const IsDrawn& is_drawn) {
     first_range_ = frame_.ranges.size();
@@ -29,9 +30,10 @@ class DrawRecorder {
     if (frame_.ranges.size() > first_range_) submit(n, first);
   }
 
-  // Draws the node refined within, which is to have this error at most. False when that changes nothing of it.
+  // Draws the node refined within to an error of at most `max_error`, in object units. Returns false, and draws
+  // nothing, when that would not change the node.
   bool draw_cut(NodeRef n, bool first, double max_error);
-  // The same over a draw that was to have `drawn_error`, if it is finer.
+  // Draws the node over an earlier draw of it with `drawn_error`, if the new draw is finer.
   bool draw_finer_cut(NodeRef n, double max_error, double drawn_error);
 
  private:
@@ -44,44 +46,42 @@ class DrawRecorder {
   RenderDevice& device_;
   CutCache& cuts_;
   Frame& frame_;
-  std::size_t first_range_ = 0;  // of the draw in the making
+  std::size_t first_range_ = 0;  // first range of the draw that is being made
 };
 
-// Which nodes are refined, drawn and culled in a frame, and the rules of a graph in which nodes have several parents.
-// For one parent these do nothing.
-
-// Whether a node may be refined.
+// Tells whether a node may be refined.
 enum class Permission {
   granted,  // every parent is refined or culled
   pending,  // a parent is undecided
   denied,   // a parent is drawn, so the node must not be replaced
 };
 
+// Decides by the rules for nodes with several parents. For a node with one parent they never intervene.
 class Front {
  public:
-  // All outlive the front. Empties the queue.
+  // The references must outlive the front. Empties the queue.
   Front(FrameScene& scene, DistanceQueue& queue, DrawRecorder& draws);
 
   void reach_roots();
-  // How many nodes have been reached so far.
+  // Returns the number of nodes that have been reached in this frame.
   [[nodiscard]] std::uint32_t reached() const noexcept { return reached_; }
   [[nodiscard]] Permission may_refine(NodeRef n);
-  // Replaces a node by its children: reaches those that are new, draws what they were not allowed to draw so far.
+  // Replaces a node by its children: reaches new ones, and draws the patches of others that had to wait for this.
   void refine(NodeRef n);
-  // Puts a node aside until a parent that is undecided is decided; then it is in the queue again.
+  // Puts a node aside; it returns to the queue when its undecided parent is decided.
   void hold(NodeRef n);
-  // Draws what of the node its parents allow.
+  // Draws the patches of the node that its parents allow.
   void stop(NodeRef n);
-  // The same of a node that may be refined: refined within, so that its error is at most this.
+  // Draws a node that may be refined, refined within so that its error is at most `max_error`, in object units.
   void stop_within(NodeRef n, double max_error);
   void cull(NodeRef n);
-  // A node that has been refined is hidden after all: nodes below it that are reached by nothing else are gone.
+  // Marks a refined node as hidden after all, and the nodes below it that no other node reaches as gone.
   void hide(NodeRef n);
-  // The node, and all that it is reached by, has been seen in this frame.
+  // Marks the node, and all nodes through which it was reached, as visible in this frame.
   void see(NodeRef n);
-  // A node wants to be refined and may not: lets those that are in its way be refined in the next frame.
+  // Lets the drawn nodes that keep this node from being refined be refined in the next frame.
   void raise_floors(NodeRef n);
-  // Renews what refined parents needed for that.
+  // Renews the floors that let the parents of this node be refined.
   void keep_floors(NodeRef n);
 
  private:
@@ -96,7 +96,7 @@ class Front {
   DistanceQueue& queue_;
   DrawRecorder& draws_;
   std::uint32_t reached_ = 0;
-  NodeRef undecided_;  // what resolve() found last
+  NodeRef undecided_;  // undecided node that resolve() found last
 };
 
 }  // namespace occlod::hlod

@@ -16,9 +16,9 @@ constexpr int rounds = 9;
 constexpr std::size_t latencies = 1000;
 constexpr double min_ns = 1e-3;
 constexpr int image_side = 512;
-constexpr double ns = 1e6;  // in a ms
+constexpr double ns = 1e6;  // per ms
 
-// A square [-1, 1]^2 in the plane z = 0, divided into cells of two triangles, as an HLOD of one node.
+// Returns an HLOD of one node: the square [-1, 1]^2 in the plane z = 0, divided into cells of two triangles.
 Hlod one_node(std::uint16_t cells) {
   const std::uint16_t side = cells + 1;
   std::vector<glm::vec3> positions;
@@ -43,7 +43,8 @@ Hlod one_node(std::uint16_t cells) {
   data.meshes.resize((layout.bytes + mesh_alignment - 1) / mesh_alignment * mesh_alignment);
   std::memcpy(data.meshes.data(), positions.data(), positions.size() * sizeof(glm::vec3));
   std::memcpy(data.meshes.data() + layout.indices, indices.data(), indices.size() * sizeof(std::uint16_t));
-  std::memset(data.meshes.data() + layout.merged_into, 0xff, positions.size() * sizeof(std::uint16_t));  // stays
+  std::memset(data.meshes.data() + layout.merged_into, 0xff,
+              positions.size() * sizeof(std::uint16_t));  // stays
   data.nodes = {node};
   data.patches = {{no_id, 0, static_cast<std::uint32_t>(indices.size())}};
   data.roots = {0};
@@ -53,7 +54,7 @@ Hlod one_node(std::uint16_t cells) {
   return make_hlod(std::move(data));
 }
 
-// O+ and O- of the paper, large and small.
+// Draws and queries the paper's objects O+ and O-, large and small.
 class Workload {
  public:
   explicit Workload(RenderDevice& device) : device_(device) {}
@@ -70,7 +71,7 @@ class Workload {
     const DrawRange all{0, objects_[object].hlod->node(0).triangles * 3};
     for (std::size_t i = 0; i < times; ++i) device_.draw({object, 0, {&all, 1}});
   }
-  // A box a little thicker than the square, which stays behind the near plane.
+  // Returns a box slightly thicker than the square, which stays behind the near plane.
   [[nodiscard]] static BoxRef box(Object object) { return {object, {{-1.0F, -1.0F, -0.01F}, {1.0F, 1.0F, 0.01F}}}; }
   void ask(Object object, std::size_t times) {
     const BoxRef asked = box(object);
@@ -87,7 +88,7 @@ class Workload {
     work();
     return device_.end_frame();
   }
-  // What one more of something takes: work(count) does it so often. `of`: which time.
+  // Returns the time, of the kind `of`, that one more repetition takes; work(count) repeats the work.
   template <typename Work>
   double one_more_ns(const Counts& counts, double FrameTimes::*of, const Work& work) {
     std::vector<double> found;
@@ -110,7 +111,7 @@ class Workload {
     camera.far = 10.0;
     return camera;
   }()};
-  // A pixel is at least 2 * 2 tan(fov / 2) / 512 wide there; the large one reaches beyond the edges.
+  // There a pixel is at least 2 * 2 tan(fov / 2) / 512 wide; the large object reaches beyond the edges.
   std::array<PlacedHlod, 3> objects_{{{&many_, glm::scale(glm::dmat4(1.0), glm::dvec3(1e-4))},
                                       {&few_, glm::scale(glm::dmat4(1.0), glm::dvec3(1e-4))},
                                       {&few_, glm::scale(glm::dmat4(1.0), glm::dvec3(4.0))}}};

@@ -5,14 +5,14 @@
 namespace occlod::hlod {
 namespace {
 
-// The part of a range that lies in one patch.
+// Returns the part of a range that lies in one patch.
 DrawRange shared_part(const DrawRange& range, const Patch& patch) {
   const std::uint32_t first = std::max(range.first_index, patch.first_index);
   const std::uint32_t end = std::min(range.first_index + range.index_count, patch.first_index + patch.index_count);
   return {first, end > first ? end - first : 0, range.morph};
 }
 
-// Exact at both ends.
+// Interpolates exactly at both ends.
 glm::vec3 between(const glm::vec3& from, const glm::vec3& to, float morph) {
   return from * (1.0F - morph) + to * morph;
 }
@@ -35,7 +35,7 @@ std::span<const glm::vec3> morphed_positions(const Hlod& hlod, NodeId node, std:
     return mesh.positions;
   scratch.assign(mesh.positions.begin(), mesh.positions.end());
   for (const Patch& patch : hlod.patches(node)) {
-    if (patch.parent == no_id) continue;  // nowhere to go
+    if (patch.parent == no_id) continue;  // it has nothing to morph to
     for (const DrawRange& range : ranges) {
       const DrawRange part = shared_part(range, patch);
       if (part.index_count == 0 || part.morph == 0.0F) continue;

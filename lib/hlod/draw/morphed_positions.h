@@ -1,4 +1,4 @@
-// Where the vertices of a node are while it is on its way to its parents, or refined within.
+// Computes the positions of a node's vertices while they morph towards its parents, or when it is refined within.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -10,15 +10,16 @@
 
 namespace occlod::hlod {
 
-// Of the vertices that the ranges use; those of other vertices are as in the mesh. Object space. The meshes of the node
-// and of the parents of patches that morph are required first, which may throw Error. The result is the mesh's own
-// array or `scratch`. Reuses its memory. O(vertices + indices of ranges that morph).
+// Returns the positions of the node's vertices in object space: morphed for the vertices that the ranges use, and as in
+// the mesh for others. First requires the meshes of the node and of the parents of patches that morph, which may throw
+// Error. The result is the mesh's own array or `scratch`, whose memory is reused. O(vertices + indices of ranges that
+// morph).
 [[nodiscard]] std::span<const glm::vec3> morphed_positions(const Hlod& hlod, NodeId node,
                                                            std::span<const DrawRange> ranges,
                                                            std::vector<glm::vec3>& scratch);
 
-// For NodeDraw::cut: the positions of the mesh and then those of the splits. Object space, in `scratch`. Both are
-// required first, which may throw Error. O(vertices).
+// Returns the positions for NodeDraw::cut, those of the mesh followed by those of the splits, in object space and in
+// `scratch`. First requires both, which may throw Error. O(vertices).
 [[nodiscard]] std::span<const glm::vec3> cut_positions(const Hlod& hlod, NodeId node, std::vector<glm::vec3>& scratch);
 
 }  // namespace occlod::hlod

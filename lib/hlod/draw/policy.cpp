@@ -5,8 +5,7 @@
 namespace occlod::hlod {
 namespace {
 
-// Strategy::vfc.
-
+// Implements Strategy::vfc.
 class FrustumPolicy : public Policy {
  public:
   [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) override {
@@ -15,10 +14,10 @@ class FrustumPolicy : public Policy {
   [[nodiscard]] bool biased() const noexcept override { return false; }
 };
 
-// Strategy::coh: predicted from the answers of the last frame (Charalambos and others 2007, fig. 3).
+// Implements Strategy::coh, which predicts from the answers of the last frame (Charalambos and others 2007, fig. 3).
 
-// Whether all children stopped and would stop again, and the mean of their biases would stop the node, which has none
-// of its own. Children that were not visited know nothing; those that were hidden have a bias of 0.
+// Returns whether all children stopped and would stop again, and the mean of their biases would stop the node, which
+// has no bias of its own. Children that were not visited do not count; hidden ones have a bias of 0.
 bool may_move_up(FrameScene& scene, NodeRef n) {
   double sum = 0.0;
   int count = 0;
@@ -56,7 +55,7 @@ class CoherentPolicy : public Policy {
 Action predict_coherent(FrameScene& scene, NodeRef n, Coherence coherence) {
   const LastFrame last = scene.last(n);
   if (!last.visible) return Action::delay;
-  // No bias can change that; the paper would let the front move up by one level a frame only.
+  // No bias can change that. The paper would let the front move up by only one level per frame.
   if (scene.is_fine(n, 1.0)) return Action::stop;
   const bool knows_bias = !last.refined || (last.asked && coherence == Coherence::mended);
   if (knows_bias && scene.stops(n, static_cast<double>(scene.state(n).bias))) return Action::stop;

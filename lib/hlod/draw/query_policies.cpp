@@ -1,4 +1,4 @@
-// Strategies that weigh what queries cost: those of Guthe and others 2006, and ours.
+// Implements the strategies that weigh what queries cost: that of Guthe and others 2006, and ours.
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace occlod::hlod {
 
-// Strategy::nohc: near optimal hierarchical culling (Guthe, Balazs and Klein 2006, secs. 3 and 4).
+// Implements Strategy::nohc: near optimal hierarchical culling (Guthe, Balazs and Klein 2006, secs. 3 and 4).
 
 namespace {
 
@@ -50,7 +50,7 @@ class NearOptimalPolicy : public Policy {
 
  private:
   struct Memory {
-    std::uint32_t asked_frame = 0;  // or in which the node came into sight
+    std::uint32_t asked_frame = 0;  // frame of the last query, or in which the node came into sight
   };
   struct Weighed {
     QueryValue value;
@@ -110,17 +110,17 @@ class NearOptimalPolicy : public Policy {
 
 std::unique_ptr<Policy> make_near_optimal_policy() { return std::make_unique<NearOptimalPolicy>(); }
 
-// Strategy::batch: Coh(B)'s prediction, but what it would ask is counted together, in at most three rounds a frame, or
-// hidden nodes in groups. What is asked, and whether anything is, is decided by what it costs and saves, as in NOHC.
+// Implements Strategy::batch. It predicts like Coh(B), but queries nodes together in at most three rounds per frame, or
+// hidden nodes in groups. Like NOHC, it decides by costs and savings which nodes to query, and whether to query at all.
 
 namespace {
 
 constexpr int max_rounds = 3;
-constexpr double usual_group = 4.0;  // nodes in a query, with those that have to be asked about again
-// What is expected to be saved has to be so many times what waiting for answers takes: only the latter is certain.
+constexpr double usual_group = 4.0;  // nodes per query, including those that have to be queried again
+// The expected savings must be this many times the wait for answers, because only the latter is certain.
 constexpr double min_return = 2.0;
 
-// What a frame's questions cost beside its boxes: the device has nothing to do until the last answers have been read.
+// Returns the cost of a frame's queries apart from its boxes: the device idles until the last answers have been read.
 double waiting_ns(const DeviceCosts& costs, bool in_groups) {
   return (in_groups ? costs.query_ns : costs.batch_ns) + costs.readback_ns + costs.submit_ns;
 }
@@ -154,7 +154,7 @@ class BatchPolicy : public Policy {
     possible_gain_ns_ += gain;
     if (!asks_) return unasked;
     round_gain_ns_ += gain;
-    // Drawn only because little of it was visible: that has to be known anew in every frame.
+    // The node is drawn only because little of it was visible, which has to be checked in every frame.
     has_to_ = has_to_ || (action == Action::stop && !is_fine);
     note_asked(scene, n);
     return action;
@@ -193,14 +193,14 @@ class BatchPolicy : public Policy {
 
  private:
   struct Memory {
-    std::uint32_t asked_frame = 0;  // or in which it came into the frustum
-    // When it was asked about last:
+    std::uint32_t asked_frame = 0;  // frame of the last query, or in which it came into the frustum
+    // The next three fields describe the last query.
     float covered = 0.0F;                // cover_probability()
-    float frames = 0.0F;                 // since asked_frame
-    LastSight last = LastSight::hidden;  // what was known of it
+    float frames = 0.0F;                 // frames since asked_frame
+    LastSight last = LastSight::hidden;  // what was known of the node
   };
 
-  // For as many nodes as in the last frame.
+  // Compares the costs for as many nodes as in the last frame.
   [[nodiscard]] bool groups_are_cheaper(const DeviceCosts& costs) const {
     const auto nodes = static_cast<double>(last_asked_);
     return nodes / usual_group * costs.query_ns < costs.batch_ns + nodes * costs.batch_item_ns + costs.readback_ns;
@@ -210,7 +210,7 @@ class BatchPolicy : public Policy {
     return cover_probability(covered_, coverage, scene.trial().cover_model);
   }
 
-  // What asking about the node is expected to save.
+  // Returns the expected savings of a query about the node.
   [[nodiscard]] double gain_ns(const FrameScene& scene, NodeRef n) {
     const DeviceCosts& costs = scene.options().costs;
     const ObjectFrame& view = scene.view_of(n);
@@ -231,7 +231,7 @@ class BatchPolicy : public Policy {
     return hidden * draw_ns + bias_gain_ns(scene, n, coverage) - item_ns;
   }
 
-  // What is saved by drawing the node instead of what is below it, where little enough of it may be visible.
+  // Returns the savings of drawing the node instead of finer ones, for when little enough of it is visible.
   [[nodiscard]] double bias_gain_ns(const FrameScene& scene, NodeRef n, double coverage) const {
     if (scene.is_fine(n, 1.0)) return 0.0;
     const DeviceCosts& costs = scene.options().costs;
@@ -254,12 +254,12 @@ class BatchPolicy : public Policy {
   HidingRates rates_;
   bool asks_ = true;  // in this frame
   bool in_groups_ = false;
-  std::size_t asked_ = 0;               // nodes, in this frame
-  std::size_t last_asked_ = 1'000'000;  // in the last; before the first, many
+  std::size_t asked_ = 0;               // nodes queried in this frame
+  std::size_t last_asked_ = 1'000'000;  // nodes queried in the last frame; before the first, many
   double covered_ = 0.0;                // c_scr
-  double possible_gain_ns_ = 0.0;       // of this frame so far, whether it asks or not
-  double round_gain_ns_ = 0.0;          // of the round so far
-  bool has_to_ = false;                 // make the round, whatever it gains
+  double possible_gain_ns_ = 0.0;       // in this frame so far, whether it queries or not
+  double round_gain_ns_ = 0.0;          // in this round so far
+  bool has_to_ = false;                 // make the round, whatever it saves
   int rounds_ = 0;                      // in this frame
 };
 

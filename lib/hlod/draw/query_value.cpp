@@ -36,7 +36,7 @@ double max_parallel_queries(const DeviceCosts& costs) noexcept {
 
 namespace {
 
-// Two fragments for each pixel (Guthe and others 2006, sec. 3.2.1): a closed surface has two layers.
+// A pixel counts as two fragments (Guthe and others 2006, sec. 3.2.1), because a closed surface has two layers.
 constexpr double layers = 2.0;
 
 // Calls visit(parent, share) for each patch with a parent.
@@ -135,17 +135,17 @@ DrawWork WorkBelow::refined(const FrameScene& scene, NodeRef n, double coverage)
   const double tolerance = scene.options().tolerance_px;
   const double all = record.all_triangles;
   if (!(tolerance > 0.0)) return {record.all_draws, all, fragments};
-  // A quarter of the triangles makes four times the error.
+  // A quarter of the triangles has four times the error.
   const double triangles = std::min(all, node.triangles * std::max(1.0, scene.error_px(n) / tolerance));
   return {std::max(1.0, record.all_draws * triangles / std::max(all, 1.0)), triangles, fragments};
 }
 
 namespace {
 
-constexpr double kept = 0.98;          // of the counts, from frame to frame
-constexpr double prior_frames = 16.0;  // that the first guess counts for
-constexpr double prior_nodes = 2.0;    // likewise
-constexpr double min_rate = 0.002;     // a guess too: nothing stays visible for ever
+constexpr double kept = 0.98;          // share of the counts that is kept from frame to frame
+constexpr double prior_frames = 16.0;  // weight of the first guess in frames
+constexpr double prior_nodes = 2.0;    // weight of the first guess in nodes
+constexpr double min_rate = 0.002;     // a guess: nothing stays visible for ever
 
 }  // namespace
 

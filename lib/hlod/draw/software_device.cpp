@@ -16,15 +16,14 @@
 namespace occlod::hlod {
 namespace {
 
-// Counts of the queries of one frame.
-
+// Stores the counts of the queries of one frame.
 class Answers {
  public:
   void clear() {
     counts_.clear();
     first_.clear();
   }
-  // A new query; its counts are added next.
+  // Begins a query, to which the next counts are added.
   QueryId begin_query() {
     first_.push_back(counts_.size());
     return static_cast<QueryId>(first_.size() - 1);
@@ -40,17 +39,17 @@ class Answers {
 
  private:
   std::vector<std::uint32_t> counts_;
-  std::vector<std::size_t> first_;  // of each query
+  std::vector<std::size_t> first_;  // per query, its first place in counts_
 };
 
-// One object of a frame.
+// Describes one object of a frame.
 struct DrawnObject {
   const Hlod* hlod;
   ObjectView view;
   ProxySpace space;
 };
 
-// How long a frame's commands take.
+// Measures how long a frame's commands take.
 class Stopwatch {
  public:
   void begin() {
@@ -74,12 +73,12 @@ class Stopwatch {
 
  private:
   Clock::time_point start_;
-  std::optional<double> first_ms_;  // when the first command began
-  double last_ms_ = 0.0;            // when the last one ended
+  std::optional<double> first_ms_;  // begin of the first command
+  double last_ms_ = 0.0;            // end of the last command
   double busy_ms_ = 0.0;
 };
 
-// Rows that are multiples of this many pixels apart share their places in the cache, see DepthImage.
+// Rows that are a multiple of this many pixels apart compete for the same cache lines, see DepthImage.
 constexpr std::ptrdiff_t bad_stride = 1024;
 constexpr std::ptrdiff_t padding = 16;
 
@@ -194,7 +193,7 @@ class SoftwareDevice::Impl {
     return counted.passed;
   }
 
-  // Of the image.
+  // Returns the number of pixels of the image.
   [[nodiscard]] std::uint32_t pixels() const noexcept {
     return static_cast<std::uint32_t>(screen_.width) * static_cast<std::uint32_t>(screen_.height);
   }
@@ -209,8 +208,8 @@ class SoftwareDevice::Impl {
   Answers answers_;
   DeviceWork work_;
   Stopwatch watch_;
-  std::vector<glm::vec3> positions_;  // scratch
-  std::vector<Triangle> triangles_;   // likewise
+  std::vector<glm::vec3> positions_;  // scratch memory
+  std::vector<Triangle> triangles_;   // scratch memory
 };
 
 SoftwareDevice::SoftwareDevice(const SoftwareDeviceOptions& options) : impl_(std::make_unique<Impl>(options)) {}

@@ -6,7 +6,7 @@
 namespace occlod::hlod {
 namespace {
 
-// As many hidden nodes as CHC++ keeps (Mattausch and others 2008, sec. 5.1).
+// CHC++ keeps as many hidden nodes (Mattausch and others 2008, sec. 5.1).
 constexpr std::size_t max_hidden = 50;
 
 }  // namespace
@@ -85,7 +85,7 @@ void Questions::ask_groups() {
   hidden_.clear();
 }
 
-// One of the nodes that were kept for idle moments. Whether there was any.
+// Queries one of the nodes that were kept for idle moments. Returns whether there was any.
 bool Questions::ask_kept(bool is_waiting) {
   if (!urgent_.empty()) {
     ask_singly(with_pixels(urgent_.pop().ref));
@@ -96,7 +96,7 @@ bool Questions::ask_kept(bool is_waiting) {
   return true;
 }
 
-// Hidden together, or asked about one by one.
+// Settles a group as hidden, or queries its nodes one by one.
 void Questions::settle_group() {
   const std::size_t size = asked_[settled_].group;
   if (device_->wait(asked_[settled_].query)[0] == 0) {
@@ -108,7 +108,7 @@ void Questions::settle_group() {
   settled_ += size;
 }
 
-// Nobody waits for an answer about what is below a hidden node.
+// Returns whether the answer is not needed, because the node lies below a hidden one.
 bool Questions::is_gone(const Question& question) const { return scene_->state(question.node.ref).gone; }
 
 bool Questions::is_answered(const Question& question) {
@@ -153,7 +153,7 @@ bool Questions::ask_waiting() {
 
 namespace {
 
-// The visible share of a box, from two counts of pixels. Flat boxes cover none by the paper's alpha.
+// Returns the visible share of a box from two counts of pixels. By the paper's alpha, flat boxes cover none.
 double share(std::uint32_t visible, double all) {
   const auto count = static_cast<double>(visible);
   return count < all ? count / all : std::min(count, 1.0);
@@ -180,7 +180,7 @@ void Traversal::run() {
   DistanceQueue& reached = memory_.reached;
   Questions& questions = memory_.questions;
   while (true) {
-    // Waits only when there is nothing else to do.
+    // Wait only when there is nothing else to do.
     while (questions.may_look(reached.empty())) settle_next();
     if (!reached.empty())
       visit(reached.pop());
@@ -218,7 +218,7 @@ void Traversal::predict(const ReachedNode& reached) {
   act(reached, action);
 }
 
-// After the query: a flat node must not hide its own box.
+// Must come after the query, because a flat node must not hide its own box.
 void Traversal::act(const ReachedNode& reached, Action action) {
   const NodeRef n = reached.ref;
   if (action == Action::stop) stop(n, policy_.bias(scene_, reached));
@@ -238,7 +238,7 @@ void Traversal::ask(NodeRef n, double pixels, bool was_visible) {
   memory_.questions.ask({n, pixels}, was_visible);
 }
 
-// Draws a node that is fine enough with this bias, refined within if need be. That takes what refining takes.
+// Draws a node that is fine enough with this bias, refined within if need be, which requires the permission to refine.
 void Traversal::stop(NodeRef n, double bias) {
   NodeState& state = scene_.state(n);
   state.drawn_bias = static_cast<float>(bias);
@@ -288,7 +288,7 @@ void Traversal::settle_next() {
   settle_hidden(n);
 }
 
-// How much of it was visible is still believed, if anything was.
+// Marks the node as visible without a query. Its bias stays if the node was visible in the last frame.
 void Traversal::see_unasked(NodeRef n) {
   if (!scene_.last(n).visible) scene_.state(n).bias = 1.0F;
   front_.see(n);
@@ -308,14 +308,14 @@ void Traversal::settle_hidden(NodeRef n) {
   if (state.status == Status::refined || state.status == Status::held) front_.hide(n);
 }
 
-// Of a node that is visible.
+// Decides about a visible node of which the share mu is visible.
 void Traversal::settle(NodeRef n, double mu) {
   NodeState& state = scene_.state(n);
   const double bias = scene_.bias(mu);
   state.bias = static_cast<float>(bias);
   front_.see(n);
   if (state.held_to_stop) return settle_held(n, bias);
-  if (state.status == Status::refined || state.status == Status::held) {  // Action::descend
+  if (state.status == Status::refined || state.status == Status::held) {  // it was Action::descend
     if (!scene_.is_fine(n, bias)) note_wasted(n);                         // otherwise the next frame makes use of it
     return;
   }
@@ -326,14 +326,14 @@ void Traversal::settle(NodeRef n, double mu) {
   stop(n, bias);
 }
 
-// Predicted to stop, but not drawn yet: now it is known with which bias, or that it is to be refined.
+// Updates a node that was predicted to stop but is not drawn yet: now its bias is known, or that it must be refined.
 void Traversal::settle_held(NodeRef n, double bias) {
   NodeState& state = scene_.state(n);
   state.held_to_stop = scene_.stops(n, bias);
   state.drawn_bias = static_cast<float>(bias);
 }
 
-// Drawn when it was asked about, because it was predicted to stop or had to.
+// Corrects a node that was drawn before its answer came, because it was predicted to stop or had to.
 void Traversal::settle_drawn(NodeRef n, bool is_fine, double bias) {
   if (!is_fine && front_.may_refine(n) == Permission::granted) {
     if (!scene_.fetch_children(n)) {
@@ -349,7 +349,7 @@ void Traversal::settle_drawn(NodeRef n, bool is_fine, double bias) {
   if (!is_fine) note_denied(n);
 }
 
-// A node that was refined within, or not at all, by a bias that was too small.
+// Redraws a node that was refined too little within, or not at all, because its bias was too small.
 bool Traversal::draw_finer(NodeRef n, double bias) {
   NodeState& state = scene_.state(n);
   const auto drawn_bias = static_cast<double>(state.drawn_bias);
@@ -365,8 +365,8 @@ bool Traversal::draw_finer(NodeRef n, double bias) {
   return true;
 }
 
-// A root where everything has vanished has nothing to draw. Any other node that stops draws a patch: a parent of it is
-// refined, or it would not have been reached.
+// Returns whether the node has anything to draw, unlike a root where everything has vanished. Any other node that stops
+// draws a patch: a parent of it is refined, or it would not have been reached.
 bool Traversal::is_drawable(NodeRef n) const { return scene_.node(n).patches > 0; }
 
 void Traversal::want_refined(NodeRef n) {
@@ -383,7 +383,8 @@ void Traversal::want_refined(NodeRef n) {
   }
 }
 
-// A node that is asked about anyway was visible: the answer decides nothing but what the next frame predicts.
+// Draws a node that must not be refined. If it is queried at all, it was visible, and the answer only affects what the
+// next frame predicts.
 void Traversal::draw_unrefined(NodeRef n) {
   const NodeState& state = scene_.state(n);
   if (state.asked) {
@@ -407,7 +408,7 @@ void Traversal::note_wasted(NodeRef n) {
   scene_.state(n).wasted = true;
 }
 
-// A node has been drawn with this bias: was it for want of a mesh?
+// Records when a node was drawn with this bias for want of a mesh.
 void Traversal::note_waiting(NodeRef n, double bias) {
   if (scene_.is_within_tolerance(n, bias) || !scene_.lacks_children(n)) return;
   if (is_drawable(n)) ++stats_.waiting_nodes;

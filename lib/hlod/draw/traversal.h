@@ -1,4 +1,4 @@
-// What has been asked about nodes in a frame, in the order in which it was asked.
+// Traverses the hierarchies of a frame, and keeps its queries in the order in which they were made.
 #pragma once
 
 #include <cstddef>
@@ -11,41 +11,41 @@
 
 namespace occlod::hlod {
 
-// A node to ask about.
+// Names a node to query.
 struct AskedNode {
   NodeRef ref;
-  double pixels = 0.0;  // that its box covers on an empty screen
+  double pixels = 0.0;  // number of pixels that its box covers on an empty screen
 };
 
 struct AnsweredNode {
   NodeRef ref;
   double pixels = 0.0;
   std::uint32_t visible = 0;  // pixels
-  bool was_asked = true;      // otherwise it did not pay, and the node counts as visible
+  bool was_asked = true;      // false when the query did not pay off: the node counts as visible
 };
 
 class Questions {
  public:
-  // All outlive the frame.
+  // The references must outlive the frame.
   void begin_frame(const FrameScene& scene, Policy& policy, RenderDevice& device, FrameStats& stats);
 
-  // Asks, or keeps for later as the policy says. was_visible: the answer is not waited for.
+  // Makes a query now or later, as the policy says. `was_visible` tells that nothing waits for the answer.
   void ask(const AskedNode& n, bool was_visible);
-  // Whether next() is to be called now. idle: there is nothing else to do.
+  // Returns whether next() should be called now. `idle` tells that there is nothing else to do.
   [[nodiscard]] bool may_look(bool idle);
-  // The answer to the oldest question, waited for. A group that is visible has been asked about node by node.
+  // Waits for the answer to the oldest query and returns it. A group that is visible is first queried node by node.
   [[nodiscard]] AnsweredNode next();
-  // When nothing else is left to do: asks what was kept. Whether there was anything.
+  // Makes a deferred query when nothing else is left to do. Returns whether there was any.
   bool ask_waiting();
 
  private:
   struct Question {
     AskedNode node;
     QueryId query = 0;
-    std::uint32_t visible = 0;  // pixels, if known
+    std::uint32_t visible = 0;  // pixels, if is_known
     bool is_known = false;
     bool was_asked = true;
-    std::uint32_t group = 1;  // so many nodes, from this one on, share the query
+    std::uint32_t group = 1;  // number of nodes, from this one on, that share the query
   };
   [[nodiscard]] AskedNode with_pixels(NodeRef n) const;
   void ask_singly(const AskedNode& n);
@@ -60,28 +60,27 @@ class Questions {
   Policy* policy_ = nullptr;
   RenderDevice* device_ = nullptr;
   FrameStats* stats_ = nullptr;
-  std::vector<Question> asked_;  // of this frame, answered ones included
-  std::size_t settled_ = 0;      // of asked_
-  std::vector<AskedNode> kept_;  // for the next round; late or with groups, nodes that were visible, for idle moments
-  std::size_t kept_asked_ = 0;   // of these
-  DistanceQueue urgent_;         // late: nodes that were not visible, for as soon as there is nothing else to do
-  std::vector<NodeRef> hidden_;  // with groups, the same
-  std::vector<BoxRef> boxes_;    // of a query in the making
+  std::vector<Question> asked_;  // in this frame, answered ones included
+  std::size_t settled_ = 0;      // number of entries of asked_ that are settled
+  std::vector<AskedNode> kept_;  // for the next round; with `late` or groups, formerly visible nodes, for idle moments
+  std::size_t kept_asked_ = 0;   // number of entries of kept_ that were queried
+  DistanceQueue urgent_;         // with `late`: nodes that were not visible, for when there is nothing else to do
+  std::vector<NodeRef> hidden_;  // with groups: nodes that were not visible
+  std::vector<BoxRef> boxes_;    // of the query that is being made
 };
 
-// The loop that strategies share: one queue of nodes by distance, one of questions in the order in which they were
-// asked (Bittner and others 2004; Charalambos 2006, sec. 2.2.1; Charalambos and others 2007, fig. 2).
-
-// Memory that is kept from frame to frame.
+// Keeps memory from frame to frame.
 struct TraversalMemory {
   DistanceQueue reached;
   CutCache cuts;
   Questions questions;
 };
 
+// Runs the loop that strategies share, with one queue of nodes by distance and one of queries in order (Bittner and
+// others 2004; Charalambos 2006, sec. 2.2.1; Charalambos and others 2007, fig. 2).
 class Traversal {
  public:
-  // All outlive the traversal. `scene` has begun its frame, and so has the device.
+  // The references must outlive the traversal. `scene` and `device` have begun their frame.
   Traversal(FrameScene& scene, Policy& policy, RenderDevice& device, TraversalMemory& memory, Frame& frame);
 
   void run();

@@ -25,28 +25,26 @@
 namespace occlod::hlod {
 namespace {
 
-// What is likely to be needed soon of HLODs whose meshes come and go.
-
-// The view after so many more frames like the one that led from `before` to `now`: the eye goes on along a line, the
-// line of sight turns on. Nothing when the camera stands still, or would end up where it makes no image.
+// Returns the view after `frames` more frames like the one from `before` to `now`: the eye moves on along a line, and
+// the line of sight turns on. Returns nothing when the camera stands still, or would end where it makes no image.
 [[nodiscard]] std::optional<View> view_ahead(const Camera& before, const View& now, int frames);
 
 class Prefetcher {
  public:
-  // Tells the stores of these objects, all of which have begun a frame, what it may be: first what is missing to draw
-  // the objects from `ahead`, if given, without regard to occlusion; then the siblings of what `frame` has drawn.
-  // O(nodes drawn, and inside that frustum), but at most some thousand of the latter.
+  // Tells the stores of these objects, all of which have begun a frame, what is likely to be needed soon: first what is
+  // missing to draw the objects from `ahead`, if given, without regard to occlusion; then the siblings of what `frame`
+  // has drawn. O(nodes drawn, and inside that frustum), but at most some thousand of the latter.
   void run(std::span<const PlacedHlod> objects, const Frame& frame, const std::optional<View>& ahead,
            double tolerance_px, const Trial& trial);
 
  private:
   void look_ahead(const PlacedHlod& object, const View& ahead, double tolerance_px, const Trial& trial);
 
-  std::vector<NodeId> reached_;  // scratch: in turn, each once
-  std::vector<bool> marks_;      // by node, whether it is among them; all false between calls
+  std::vector<NodeId> reached_;  // scratch: each node once, in order
+  std::vector<bool> marks_;      // per node, whether it is in reached_; all false between calls
 };
 
-constexpr std::size_t max_reached = 4096;  // nodes, of one object
+constexpr std::size_t max_reached = 4096;  // nodes of one object
 
 std::optional<View> view_ahead(const Camera& before, const View& now, int frames) {
   Camera camera = now.camera();
@@ -79,7 +77,7 @@ void Prefetcher::run(std::span<const PlacedHlod> objects, const Frame& frame, co
   }
 }
 
-// As vfc does, down to what is not there.
+// Traverses like vfc, down to meshes that are not loaded.
 void Prefetcher::look_ahead(const PlacedHlod& object, const View& ahead, double tolerance_px, const Trial& trial) {
   const Hlod& hlod = *object.hlod;
   if (marks_.size() < hlod.node_count()) marks_.resize(hlod.node_count(), false);
@@ -101,18 +99,16 @@ void Prefetcher::look_ahead(const PlacedHlod& object, const View& ahead, double 
   for (const NodeId n : reached_) marks_[n] = false;
 }
 
-// Adds up what a frame would take by calibrated costs, while it is drawn.
-
-// Passes everything on to a device. Fragments are estimated from bounds, so the times depend on counts and answers
-// only.
+// Adds up the time that a frame would take by calibrated costs, while it is drawn.
+// Passes every command on to a device. Fragments are estimated from bounds, so times depend on counts and answers only.
 class ModelledDevice final : public RenderDevice {
  public:
-  // Before begin_frame(). Both outlive the frame.
+  // Must be called before begin_frame(). Both references must outlive the frame.
   void set(RenderDevice& device, const FrameScene& scene) {
     device_ = &device;
     scene_ = &scene;
   }
-  // Of the last frame.
+  // Returns the modelled time of the last frame.
   [[nodiscard]] double frame_ms() const noexcept { return clock_.times().frame_ms; }
 
   [[nodiscard]] std::string_view name() const noexcept override { return device_->name(); }
@@ -132,7 +128,7 @@ class ModelledDevice final : public RenderDevice {
   RenderDevice* device_ = nullptr;
   const FrameScene* scene_ = nullptr;
   VirtualClock clock_;
-  std::vector<double> ready_ns_;  // by query
+  std::vector<double> ready_ns_;  // per query
 };
 
 void ModelledDevice::begin_frame(const View& view, std::span<const PlacedHlod> objects) {
@@ -191,13 +187,13 @@ void ModelledDevice::visit(std::size_t nodes) {
   device_->visit(nodes);
 }
 
-constexpr double trial_share = 0.005;    // of the time, at most, for trials
-constexpr std::uint32_t first_try = 16;  // frame: before, batch has yet to learn what is hidden
+constexpr double trial_share = 0.005;    // maximal share of time for trials
+constexpr std::uint32_t first_try = 16;  // frame; before it, batch is still learning what is hidden
 constexpr std::uint32_t min_wait = 32, max_wait = 1024;
-constexpr double clearly = 0.97;  // the other one is taken where it needs so much less
-constexpr double settling = 0.5;  // share of a new time in the usual one
+constexpr double clearly = 0.97;  // the other strategy is chosen if it takes this share of the time
+constexpr double settling = 0.5;  // share of a new time in usual_ms_
 
-// What is hidden takes batch some frames to find out, and they do not count; vfc need not know.
+// Batch needs some frames to learn what is hidden, which do not count; vfc need not learn.
 int trial_length(Strategy strategy) { return strategy == Strategy::vfc ? 1 : 4; }
 
 }  // namespace
@@ -290,7 +286,7 @@ Answer answer_of(const NodeState& state) {
   return state.wasted ? Answer::wasted : Answer::visible;
 }
 
-// What is known of nodes at the end of the frame. Questions that did not pay were not asked.
+// Records what is known of nodes at the end of the frame, without queries that did not pay off.
 void tell(Frame& frame, const FrameScene& scene) {
   for (DrawnNode& drawn : frame.draws) {
     const NodeState& state = scene.state({drawn.object, drawn.node});
@@ -304,7 +300,7 @@ void tell(Frame& frame, const FrameScene& scene) {
   for (NodeAnswer& n : frame.asked) n.answer = answer_of(scene.state({n.object, n.node}));
 }
 
-// Without what its oracle did.
+// Removes what belongs to the oracle.
 void forget_questions(Frame& frame) {
   frame.asked.clear();
   for (DrawnNode& drawn : frame.draws) drawn.asked = drawn.delayed = drawn.refined = false;
@@ -349,7 +345,7 @@ class Traverser::Impl {
     check(options, trial_, device);
     if (broken_off_ || options.strategy != strategy_) reset();
     strategy_ = options.strategy;
-    broken_off_ = true;  // unless the end is reached
+    broken_off_ = true;  // until the end is reached
     clear(frame_);
     for (NodeStore* const store : stores_) store->begin_frame();
     if (options.strategy == Strategy::automatic && trial_.rival == nullptr)
@@ -364,7 +360,7 @@ class Traverser::Impl {
   [[nodiscard]] std::span<const PlacedHlod> objects() const noexcept { return objects_; }
 
  private:
-  // A strategy, and all that it knows of nodes.
+  // Holds a strategy and all that it knows of nodes.
   struct Way {
     Way(std::span<const PlacedHlod> objects, Strategy by, const Rival* rival)
         : scene(objects), policy(rival != nullptr ? rival->make() : make_policy(by)), strategy(by) {}
@@ -408,7 +404,7 @@ class Traverser::Impl {
     frame_.times = device.end_frame();
   }
 
-  // Asks for what is missing, or else for what may be soon.
+  // Asks the stores for what is missing, or else for what may be needed soon.
   void end_stores(const View& view, const TraverseOptions& options) {
     if (stores_.empty()) return;
     if (frame_.stats.waiting_nodes == 0 && options.prefetch_frames > 0) {
@@ -423,7 +419,7 @@ class Traverser::Impl {
     }
   }
 
-  // What has been drawn, on another device, without a question.
+  // Draws the frame again on another device, without queries.
   void draw_again(const View& view, RenderDevice& device) {
     device.begin_frame(view, objects_);
     const std::span<const DrawRange> ranges = frame_.ranges;
@@ -438,15 +434,15 @@ class Traverser::Impl {
   }
 
   std::vector<PlacedHlod> objects_;
-  std::vector<NodeStore*> stores_;  // of the objects that have one, each once
+  std::vector<NodeStore*> stores_;  // stores of the objects, each once
   std::optional<Camera> last_camera_;
   Prefetcher prefetcher_;
-  std::array<std::unique_ptr<Way>, StrategyChoice::candidates.size()> ways_;  // the first alone, but for `automatic`
+  std::array<std::unique_ptr<Way>, StrategyChoice::candidates.size()> ways_;  // only the first, except for `automatic`
   std::optional<StrategyChoice> choice_;
   ModelledDevice modelled_;
   TraversalMemory memory_;
   Frame frame_;
-  Strategy strategy_ = Strategy::coh;  // of the last frame
+  Strategy strategy_ = Strategy::coh;  // in the last frame
   Trial trial_;
   bool broken_off_ = false;  // the last frame ended with an error
 };

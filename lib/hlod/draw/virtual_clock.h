@@ -1,4 +1,4 @@
-// The two clocks of a device whose time is computed, not measured.
+// Keeps the two clocks of a device whose time is computed, not measured.
 #pragma once
 
 #include <algorithm>
@@ -8,14 +8,14 @@
 
 namespace occlod::hlod {
 
-// A processor that gives commands and a device that works them off one after the other, side by side. ns; exact as long
-// as all times are whole numbers below 2^53.
+// Models a processor that submits commands and a device that executes them in order, in parallel. Times are in ns and
+// exact as long as all are whole numbers below 2^53.
 class VirtualClock {
  public:
   void begin() { *this = {}; }
-  // The processor does something by itself.
+  // Lets the processor work by itself.
   void work(double ns) { cpu_ns_ += ns; }
-  // The processor gives a command, for submit_ns, which then takes the device command_ns. Returns when it is done.
+  // Submits a command, which takes the processor submit_ns and then the device command_ns. Returns when it is done.
   double command(double submit_ns, double command_ns) {
     cpu_ns_ += submit_ns;
     const double start = std::max(cpu_ns_, gpu_ns_);
@@ -25,7 +25,7 @@ class VirtualClock {
     ++commands_;
     return gpu_ns_;
   }
-  // The processor waits until then.
+  // Lets the processor wait until this time.
   void wait_until(double ns) {
     if (ns <= cpu_ns_) return;
     stall_ns_ += ns - cpu_ns_;
@@ -33,7 +33,7 @@ class VirtualClock {
   }
 
   [[nodiscard]] double cpu_ns() const noexcept { return cpu_ns_; }
-  // That have been given.
+  // Returns the number of submitted commands.
   [[nodiscard]] std::uint64_t commands() const noexcept { return commands_; }
   [[nodiscard]] FrameTimes times() const noexcept {
     constexpr double ms = 1e-6;

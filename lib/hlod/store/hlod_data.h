@@ -1,4 +1,4 @@
-// The arrays of an HLOD where they are built.
+// Owns the arrays of an HLOD, and lays out and checks those of its nodes.
 #pragma once
 
 #include <atomic>
@@ -13,7 +13,7 @@
 
 namespace occlod::hlod {
 
-// The fields of an HlodView.
+// Has the fields of an HlodView.
 struct HlodData {
   std::vector<Node> nodes;
   std::vector<Patch> patches;
@@ -40,22 +40,22 @@ struct HlodData {
 };
 
 [[nodiscard]] HlodView view_of(const HlodData& data);
-// Takes arrays whose sizes and indices fit together.
+// Makes an HLOD of arrays whose sizes and indices fit together.
 [[nodiscard]] Hlod make_hlod(HlodData data);
 [[nodiscard]] HlodData copy_data(const Hlod& hlod);
 
-// Which attributes vertices have.
+// Tells which attributes vertices have.
 struct VertexArrays {
   bool normals = false, colors = false, texture_coordinates = false, materials = false;
 };
 
-// `data`: HlodView or HlodData.
+// Accepts an HlodView or HlodData.
 template <typename Data>
 VertexArrays arrays_of(const Data& data) {
   return {data.has_normals, data.has_colors, data.has_texture_coordinates, data.has_materials};
 }
 
-// Where attributes begin, in bytes from the start of the positions. In this order.
+// Gives the places of a node's attributes, in this order, in bytes from the start of the positions.
 struct VertexLayout {
   VertexLayout(std::size_t vertices, const VertexArrays& arrays);
 
@@ -63,15 +63,16 @@ struct VertexLayout {
   std::size_t end;
 };
 
-// Where the arrays of one node's mesh begin, in bytes from the start of the mesh. In this order, after attributes.
+// Gives the places of the other arrays of a node's mesh, after the attributes and in this order, in bytes from the
+// start of the mesh.
 struct MeshLayout : VertexLayout {
   MeshLayout(const Node& node, const VertexArrays& arrays);
 
   std::size_t indices, merged_into;
-  std::size_t bytes;  // without what aligns the next mesh
+  std::size_t bytes;  // without padding before the next mesh
 };
 
-// The same for its splits.
+// Gives the places of the arrays of a node's splits.
 struct SplitsLayout : VertexLayout {
   SplitsLayout(const NodeWithin& within, const VertexArrays& arrays);
 
@@ -79,10 +80,11 @@ struct SplitsLayout : VertexLayout {
   std::size_t bytes;
 };
 
-// The mesh of node n, whose arrays begin here.
+// Returns the mesh of node n, whose arrays begin at `bytes`.
 [[nodiscard]] NodeMesh mesh_at(const HlodView& view, NodeId n, const std::byte* bytes) noexcept;
 
-// As in validate.h, of an HLOD whose meshes lie elsewhere: so many bytes of all, and that of node n.
+// These are the checks of validate() for an HLOD whose meshes lie elsewhere: `mesh_bytes` is the size of all of them,
+// and `mesh` is that of node n. They return the first problem, or nothing.
 [[nodiscard]] std::optional<std::string> check_structure(const HlodView& data, std::uint64_t mesh_bytes);
 [[nodiscard]] std::optional<std::string> check_mesh(const HlodView& data, NodeId n, const NodeMesh& mesh);
 
@@ -91,32 +93,30 @@ constexpr std::uint64_t align_mesh(std::uint64_t offset) {
 }
 
 // Lets an HLOD be used before all of it has been read: mesh and splits of each node are checked when they are first
-// needed.
-
-// Any number of threads may ask.
+// needed. Any number of threads may use it.
 class NodeGuard {
  public:
-  // `within_count`: of nodes whose splits are checked; none or all.
+  // `within_count` is the number of nodes whose splits are checked: none or all.
   NodeGuard(std::size_t node_count, std::size_t within_count) : checked_(node_count), within_checked_(within_count) {}
   NodeGuard(const NodeGuard&) = delete;
   NodeGuard& operator=(const NodeGuard&) = delete;
   virtual ~NodeGuard() = default;
 
-  // Throws Error when the node's mesh is damaged, and marks it as checked otherwise.
+  // Marks the node's mesh as checked. Throws Error when it is damaged.
   void check(NodeId n) {
     check_node(n);
     checked_[n].store(true, std::memory_order_release);
   }
 
-  // The same for the node's splits.
+  // Marks the node's splits as checked. Throws Error when they are damaged.
   void check_within(NodeId n) {
     check_splits(n);
     within_checked_[n].store(true, std::memory_order_release);
   }
 
-  // By node: what has been checked may be used by whoever has seen the mark.
+  // Returns a mark for each node. Whoever has seen the mark may use what was checked.
   [[nodiscard]] const std::atomic<bool>* checked() const noexcept { return checked_.data(); }
-  // Likewise; null when there are no splits.
+  // Returns the marks of the nodes' splits; null when there are no splits.
   [[nodiscard]] const std::atomic<bool>* within_checked() const noexcept {
     return within_checked_.empty() ? nullptr : within_checked_.data();
   }
@@ -128,8 +128,7 @@ class NodeGuard {
   std::vector<std::atomic<bool>> checked_, within_checked_;
 };
 
-// Arrays that `owner` keeps alive, of which `guard` checks the parts of each node before they are used for the first
-// time.
+// Returns an HLOD whose arrays `owner` keeps alive; `guard` checks those of each node before they are first used.
 [[nodiscard]] Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner,
                                 std::shared_ptr<NodeGuard> guard);
 

@@ -10,7 +10,7 @@
 namespace occlod::hlod {
 namespace {
 
-constexpr std::size_t lasting_share = 16;  // of the budget, one in so many bytes is for the coarsest nodes
+constexpr std::size_t lasting_share = 16;  // the coarsest nodes may take this fraction of the budget
 
 }  // namespace
 
@@ -50,7 +50,7 @@ void NodeCache::set_budget(std::size_t bytes) {
   for (NodeId n = lasting_; n < before; ++n) queue_leaf(n);
   while (resident_bytes_ > budget_) {
     const bool evicted = evict_one(std::numeric_limits<std::uint32_t>::max());
-    assert(evicted);  // down to the roots everything may leave
+    assert(evicted);  // everything but the roots may be evicted
     static_cast<void>(evicted);
   }
 }
@@ -81,7 +81,7 @@ bool NodeCache::reserve(std::span<const NodeId> nodes, Urgency urgency) {
     bytes += source_.bytes_of(n);
   }
   coming_bytes_ += bytes;
-  // What the last two frames needed stays; for what is prefetched, so does what these have kept: see keep().
+  // The nodes that the last two frames needed stay. Prefetched nodes do not evict what keep() protects either.
   const std::uint32_t last_used = frame_ - (urgency == Urgency::now ? 2 : 4);
   while (resident_bytes_ + coming_bytes_ > budget_) {
     if (evict_one(last_used)) continue;
@@ -131,8 +131,8 @@ void NodeCache::queue_leaf(NodeId n) {
   leaves_.push({entries_[n].used, n});
 }
 
-// The first to leave, if it has not been used since this frame. Entries of the queue are brought up to date when they
-// come first.
+// Evicts the next node, unless it has been used since frame `last_used`. Returns whether it did. Outdated entries of
+// the queue are renewed when they come first.
 bool NodeCache::evict_one(std::uint32_t last_used) {
   while (!leaves_.empty()) {
     const Leaf leaf = leaves_.top();
@@ -160,7 +160,7 @@ void NodeCache::evict(NodeId n) {
 
 namespace {
 
-// What is stored of the nodes [begin, end) of the load. Throws Error.
+// Reads the stored meshes of the nodes [begin, end) of the load. Throws Error.
 void read_part(MeshSource& source, MeshLoad& load, std::size_t begin, std::size_t end) {
   std::vector<std::span<std::byte>> parts;
   for (std::size_t i = begin; i < end; ++i) {
@@ -171,7 +171,7 @@ void read_part(MeshSource& source, MeshLoad& load, std::size_t begin, std::size_
   source.read(load.first + static_cast<NodeId>(begin), parts);
 }
 
-// Throws Error.
+// Unpacks mesh i of the load. Throws Error.
 void unpack(MeshSource& source, MeshLoad& load, std::size_t i) {
   load.meshes[i] = source.unpack(load.first + static_cast<NodeId>(i), std::move(load.meshes[i]));
 }
@@ -190,7 +190,7 @@ void read_meshes(MeshSource& source, MeshLoad& load) {
   try {
     read_part(source, load, 0, load.meshes.size());
   } catch (const std::exception&) {
-    is_read = false;  // one by one, to tell which
+    is_read = false;  // they are read one by one, to find the damaged one
   }
   for (std::size_t i = 0; i < load.meshes.size(); ++i) try {
       if (!is_read) read_part(source, load, i, i + 1);

@@ -1,4 +1,4 @@
-// Where a store reads meshes.
+// Reads the meshes of nodes on another thread, and caches them within a budget.
 #pragma once
 
 #include <condition_variable>
@@ -21,13 +21,13 @@ namespace occlod::hlod {
 
 using MeshBytes = std::unique_ptr<std::byte[]>;
 
-// A mesh where it is stored, which may take fewer bytes than in memory.
+// Locates a mesh where it is stored, possibly in fewer bytes than in memory.
 struct StoredMesh {
   std::uint64_t place = 0;
   std::size_t bytes = 0;
 };
 
-// Called by one thread at a time, but for bytes_of() and stored().
+// Only one thread at a time may call this, except for bytes_of() and stored().
 class MeshSource {
  public:
   MeshSource() = default;
@@ -35,61 +35,64 @@ class MeshSource {
   MeshSource& operator=(const MeshSource&) = delete;
   virtual ~MeshSource() = default;
 
-  // In memory, of the mesh of node n and what aligns the next one; a multiple of mesh_alignment but for the last.
+  // Returns the size in memory of the mesh of node n with padding for the next, a multiple of mesh_alignment except for
+  // the last mesh.
   [[nodiscard]] virtual std::size_t bytes_of(NodeId n) const noexcept = 0;
-  // Of node n. Nodes of consecutive ids lie side by side where one ends at the place of the next.
+  // Returns where the mesh of node n is stored. Consecutive nodes are adjacent if one ends where the next begins.
   [[nodiscard]] virtual StoredMesh stored(NodeId n) const noexcept = 0;
-  // What is stored of consecutive nodes from `first` on, which lie side by side, each into an array of stored() bytes.
-  // Throws Error when it cannot be read.
+  // Reads the stored meshes of consecutive, adjacent nodes from `first` on, each into an array of stored() bytes.
+  // Throws Error when they cannot be read.
   virtual void read(NodeId first, std::span<const std::span<std::byte>> meshes) = 0;
-  // The mesh of node n, of bytes_of() bytes, from what was read of it. Throws Error when that is damaged.
+  // Returns the mesh of node n, of bytes_of() bytes, from its stored bytes. Throws Error when they are damaged.
   [[nodiscard]] virtual MeshBytes unpack(NodeId n, MeshBytes stored) = 0;
 };
 
-// Which meshes of an HLOD are there, within a budget: who comes, and who leaves for it. Reads nothing.
-
+// Decides which meshes of an HLOD are in memory, within a budget, and which are evicted for others. Reads nothing
+// itself.
 class NodeCache {
  public:
   enum class State : std::uint8_t {
     absent,
-    coming,    // room is kept for it
-    resident,  // it is there
-    failed,    // it never comes
+    coming,    // its memory is reserved
+    resident,  // it is in memory
+    failed,    // it is never loaded
   };
-  // For what something else may have to leave: prefetched meshes neither make each other leave nor what is needed.
+  // Tells what a request may evict. Prefetched meshes evict neither each other nor meshes that are needed.
   enum class Urgency { now, soon };
 
-  // Of nothing, within 0 bytes. Both outlive the cache.
+  // Starts empty, with a budget of 0 bytes. The references must outlive the cache.
   NodeCache(const HlodView& view, const MeshSource& source);
 
   [[nodiscard]] State state(NodeId n) const noexcept { return entries_[n].state; }
-  // By node, null where it is not there.
+  // Returns the mesh of each node, null where it is not resident.
   [[nodiscard]] const MeshBytes* meshes() const noexcept { return meshes_.data(); }
   [[nodiscard]] std::size_t budget() const noexcept { return budget_; }
   [[nodiscard]] std::size_t resident_bytes() const noexcept { return resident_bytes_; }
   [[nodiscard]] std::size_t resident_nodes() const noexcept { return resident_nodes_; }
   [[nodiscard]] std::size_t coming_bytes() const noexcept { return coming_bytes_; }
   [[nodiscard]] std::uint64_t evictions() const noexcept { return evictions_; }
-  // Of the roots.
+  // Returns the size of the roots' meshes.
   [[nodiscard]] std::size_t min_budget() const;
-  // Coarsest first; they stay once they are there. Roots on finer levels stay, too.
+  // Returns the number of nodes, coarsest first, that stay once they are resident. Roots on finer levels stay, too.
   [[nodiscard]] NodeId lasting_nodes() const noexcept { return lasting_; }
   [[nodiscard]] bool are_parents_resident(NodeId n) const;
 
-  // At least min_budget(). Nothing is coming. What does not fit any more leaves, needed or not.
+  // Sets the budget, at least min_budget(), when no node is coming. Evicts meshes that no longer fit, needed or not.
   void set_budget(std::size_t bytes);
   void begin_frame() noexcept { ++frame_; }
-  // The node, which is not absent, stays for two frames, whoever else is to come.
+  // Keeps node n, which is not absent, for two frames, whatever else is loaded.
   void need(NodeId n) noexcept { entries_[n].used = frame_; }
-  // Prefetched ones do not make it leave in the next two frames.
+  // Keeps node n for two frames from being evicted by prefetched meshes.
   void keep(NodeId n) noexcept;
 
-  // Adds the absent ones of these nodes and of those above them to `missing`, ascending. False if any has failed.
+  // Appends those of these nodes and of their ancestors that are absent to `missing`, ascending. Returns false if any
+  // of them has failed.
   [[nodiscard]] bool find_missing(std::span<const NodeId> nodes, std::vector<NodeId>& missing) const;
-  // Keeps room for nodes that are absent, ascending; those above them are there, coming or among them. Others leave. If
-  // that is not enough, nothing comes, and false.
+  // Reserves memory for absent nodes, ascending, whose parents are resident, coming or among them, and evicts others.
+  // Returns false, without reserving any, if that does not free enough memory.
   [[nodiscard]] bool reserve(std::span<const NodeId> nodes, Urgency urgency);
-  // A node that was coming does not come, or does. Its parents are there when it does.
+  // release() gives up the reservation of a coming node; put() fulfils it, when its parents are resident; fail() marks
+  // the node as failed for ever.
   void release(NodeId n);
   void put(NodeId n, MeshBytes mesh);
   void fail(NodeId n);
@@ -97,16 +100,16 @@ class NodeCache {
  private:
   struct Entry {
     std::uint32_t used = 0;      // frame
-    std::uint16_t children = 0;  // that are there or coming
+    std::uint16_t children = 0;  // number of children that are resident or coming
     State state = State::absent;
     bool queued : 1 = false;  // in leaves_
     bool is_root : 1 = false;
   };
-  // May leave if it has not been used since.
+  // Names a node that may be evicted if it has not been used since.
   struct Leaf {
     std::uint32_t used = 0;
     NodeId node = 0;
-    // The last to leave is the least: that used last, of those the coarsest.
+    // The greatest is evicted first: the one unused for longest, and among equals the finest.
     friend bool operator<(const Leaf& a, const Leaf& b) { return a.used != b.used ? a.used > b.used : a.node < b.node; }
   };
 
@@ -126,38 +129,36 @@ class NodeCache {
   std::size_t budget_ = 0, resident_bytes_ = 0, coming_bytes_ = 0, resident_nodes_ = 0;
   std::uint64_t evictions_ = 0;
   NodeId lasting_ = 0;
-  std::uint32_t frame_ = 8;  // so that there are frames before the first
+  std::uint32_t frame_ = 8;  // so that earlier frames have positive numbers
 };
 
-// Reads and checks meshes, on a thread of its own.
-
-// Consecutive nodes whose meshes lie side by side, to be read together.
+// Holds consecutive nodes whose meshes are adjacent, to be read together.
 struct MeshLoad {
   NodeId first = 0;
-  std::size_t bytes = 0;              // as they are stored
+  std::size_t bytes = 0;              // as stored
   std::vector<MeshBytes> meshes;      // of the nodes from `first` on; null before they are read, and where that failed
-  std::vector<std::string> problems;  // of each, one line if it failed
+  std::vector<std::string> problems;  // per mesh, one line if it failed
 };
 
-// Reads on the calling thread. Throws Error for the first that fails.
+// Reads on the calling thread. Throws Error for the first mesh that fails.
 void read_or_throw(MeshSource& source, MeshLoad& load);
-// Likewise, but does not throw.
+// Reads on the calling thread. Records problems in the load instead of throwing.
 void read_meshes(MeshSource& source, MeshLoad& load);
 
 class MeshLoader {
  public:
-  // The source outlives the loader.
+  // The source must outlive the loader.
   explicit MeshLoader(MeshSource& source);
-  // Waits for the load that has begun.
+  // Waits for the load that is being read.
   ~MeshLoader();
   MeshLoader(const MeshLoader&) = delete;
   MeshLoader& operator=(const MeshLoader&) = delete;
 
-  // After all that were pushed before.
+  // Queues loads behind all earlier ones.
   void push(std::vector<MeshLoad> loads);
-  // Those that have not begun, in order.
+  // Returns the loads that have not begun, in order, and forgets them.
   [[nodiscard]] std::vector<MeshLoad> withdraw();
-  // Appends those that have ended, in order; waits until `out` has so many or none is left.
+  // Appends the finished loads, in order. Waits until `out` has `least` loads or none is left.
   void collect(std::deque<MeshLoad>& out, std::size_t least = 0);
 
  private:
@@ -171,7 +172,7 @@ class MeshLoader {
   std::thread thread_;
 };
 
-// What loads pass on their way from a store to its loader: in which frame they come.
+// Models the transfer of loads from a store to its loader: the frame in which each arrives.
 class MeshLink {
  public:
   MeshLink() = default;
@@ -179,15 +180,15 @@ class MeshLink {
   MeshLink& operator=(const MeshLink&) = delete;
   virtual ~MeshLink() = default;
 
-  // To be transferred after all that were pushed before.
+  // Queues loads behind all earlier ones.
   virtual void push(std::vector<MeshLoad> loads) = 0;
-  // Those whose transfer has not begun.
+  // Returns the loads whose transfer has not begun, and forgets them.
   [[nodiscard]] virtual std::vector<MeshLoad> withdraw() = 0;
-  // One frame goes by: what has been transferred meanwhile.
+  // Advances by one frame. Returns the loads whose transfer ended meanwhile.
   [[nodiscard]] virtual std::vector<MeshLoad> pass_frame() = 0;
-  // How many of the loads so transferred, from the first on, come in this frame. Each is counted once.
+  // Returns how many of the transferred loads, from the first on, arrive in this frame. Each is counted once.
   [[nodiscard]] virtual std::size_t take_due() = 0;
-  // Loads that were transferred are forgotten. Returns all others.
+  // Forgets all loads. Returns those that were not transferred.
   [[nodiscard]] virtual std::vector<MeshLoad> clear() = 0;
 };
 

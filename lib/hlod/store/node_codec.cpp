@@ -16,26 +16,25 @@
 namespace occlod::ohlod {
 namespace {
 
-constexpr int level = 3;  // higher levels gain some percent and cost many times the time
+constexpr int level = 3;  // higher levels gain some percent at many times the time
 
-// What is done with elements before they are compressed, so that most of their bytes are small. All reversible, for any
-// bits.
+// Names a reversible transform of the elements that makes most bytes small before compression. It accepts any bits.
 enum class Filter : std::uint8_t {
   none,
-  positions,  // differences from the vertex before, as whole numbers of a lattice or as floats
-  floats,     // differences from the one before
-  first_use,  // indices, as distances from the next that has not been used: most are 0 or small
-  links,      // ids, as differences from the one before, and `stays`
+  positions,  // differences from the vertex before, as integers on a lattice or as floats
+  floats,     // differences from the element before
+  first_use,  // indices, as distances from the next unused one: most are 0 or small
+  links,      // ids, as differences from the one before, or `stays`
 };
 
-// An array of a node.
+// Describes an array of a node.
 struct Stream {
   std::size_t first = 0, bytes = 0;  // in the raw bytes
   std::size_t element_bytes = 0;
   Filter filter = Filter::none;
 };
 
-// In the order in which they lie.
+// Returns the attribute arrays in the order in which they lie.
 std::array<Stream, 5> vertex_streams(const hlod::VertexLayout& layout) {
   const auto stream = [](std::size_t first, std::size_t end, std::size_t element_bytes, Filter filter = Filter::none) {
     return Stream{first, end - first, element_bytes, filter};
@@ -49,10 +48,10 @@ std::array<Stream, 5> vertex_streams(const hlod::VertexLayout& layout) {
 
 }  // namespace
 
-// The arrays of a node, in the order in which they lie.
+// Lists the arrays of a node in the order in which they lie.
 struct NodeStreams {
-  std::array<Stream, 8> streams;  // those that there are none of are empty
-  std::size_t bytes = 0;          // without what aligns the next
+  std::array<Stream, 8> streams;  // absent arrays are empty
+  std::size_t bytes = 0;          // without padding before the next node
 };
 
 namespace {
@@ -88,22 +87,23 @@ void store(std::byte* to, T value) {
   std::memcpy(to, &value, sizeof(value));
 }
 
-// Small numbers of either sign as small ones without: 0, -1, 1, -2 ...
+// Maps small signed numbers to small unsigned ones: 0, -1, 1, -2 ... to 0, 1, 2, 3 ...
 constexpr std::uint32_t zigzag(std::uint32_t x) { return (x << 1U) ^ (0U - (x >> 31U)); }
 constexpr std::uint32_t unzigzag(std::uint32_t x) { return (x >> 1U) ^ (0U - (x & 1U)); }
 
-// The bits of a float as a number that grows with it.
+// Maps the bits of a float to an integer that increases with it.
 constexpr std::uint32_t ordered(std::uint32_t bits) { return bits ^ ((0U - (bits >> 31U)) >> 1U); }
 
-// Coordinates that are whole multiples of a power of two become these multiples: differences then need not know where
-// exponents of floats change. A code is that exponent and 127, in [1, 254]; 0: no lattice.
+// Coordinates that are whole multiples of a power of two become these multiples, so that differences do not depend on
+// where exponents of floats change. A code is that exponent plus 127, in [1, 254]; 0 means no lattice.
 using LatticeCode = std::uint8_t;
 
 constexpr int code_offset = 127;
 
 float step_of(LatticeCode code) { return std::ldexp(1.0F, int{code} - code_offset); }
 
-// Of the coarsest lattice that has all coordinates, bit for bit, as multiples that floats count exactly.
+// Returns the code of the coarsest lattice on which all coordinates are, bit for bit, multiples that floats count
+// exactly.
 LatticeCode lattice_of(std::span<const std::byte> floats) {
   constexpr std::uint32_t sign = 1U << 31U, mantissa_bits = 23, largest_exponent = 255;
   int finest = std::numeric_limits<int>::max(), largest = std::numeric_limits<int>::min();
@@ -140,7 +140,7 @@ class NumberCoder {
   float step_;
 };
 
-// Of elements of several components of 4 bytes.
+// Filters elements of several components of 4 bytes.
 void filter_numbers(std::span<const std::byte> from, std::size_t element_bytes, LatticeCode lattice, std::byte* to) {
   const NumberCoder coder(lattice);
   for (std::size_t component = 0; component < element_bytes; component += 4) {
@@ -184,7 +184,7 @@ void unfilter_first_use(std::span<std::byte> values) {
   }
 }
 
-// Other values than `stays` are those of a ring, on which a difference has one size and one sign.
+// Ids other than `stays` form a ring, on which every difference has one size and one sign.
 constexpr int ring = hlod::stays;
 
 void filter_links(std::span<const std::byte> from, std::byte* to) {
@@ -275,7 +275,7 @@ void NodePacker::pack_splits(const hlod::HlodView& view, hlod::NodeId n, LargeVe
   if (view.within[n].splits > 0) pack(splits_streams(view, n), view.splits.subspan(view.within[n].place), out);
 }
 
-// The code of the lattice, then a zstd frame for each array that is not empty, its bytes separated.
+// Appends the code of the lattice, and then a zstd frame with separated bytes for each array that is not empty.
 void NodePacker::pack(const NodeStreams& node, std::span<const std::byte> raw, LargeVector<std::byte>& out) {
   const std::size_t begin = out.size();
   const LatticeCode lattice = lattice_of(raw.first(node.streams[0].bytes));
@@ -289,7 +289,7 @@ void NodePacker::pack(const NodeStreams& node, std::span<const std::byte> raw, L
     frame_.resize(ZSTD_compressBound(stream.bytes));
     const std::size_t size =
         ZSTD_compressCCtx(context_->zstd.get(), frame_.data(), frame_.size(), planes_.data(), planes_.size(), level);
-    if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only way to fail with room for the worst case
+    if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // with room for the worst case, nothing else can fail
     out.insert(out.end(), frame_.begin(), frame_.begin() + static_cast<std::ptrdiff_t>(size));
   }
   const std::size_t raw_bytes = hlod::align_mesh(node.bytes);

@@ -1,4 +1,4 @@
-// Packs the mesh of a node, or its splits, into fewer bytes, of which none are lost.
+// Compresses the mesh of a node, or its splits, without loss.
 #pragma once
 
 #include <cstddef>
@@ -11,13 +11,13 @@
 
 namespace occlod::ohlod {
 
-// So many raw bytes for each packed one at most: zeros follow what is packed better. A file that claims more is refused
-// before memory is allocated.
+// Limits the raw bytes per packed byte: data that is packed better is padded with zeros. A file that claims more is
+// refused before memory is allocated.
 inline constexpr std::size_t max_packing = 1024;
 
 struct NodeStreams;
 
-// One at a time; buffers are kept.
+// Packs one node at a time and reuses its buffers.
 class NodePacker {
  public:
   // Throws std::bad_alloc.
@@ -26,7 +26,7 @@ class NodePacker {
   NodePacker(const NodePacker&) = delete;
   NodePacker& operator=(const NodePacker&) = delete;
 
-  // Appends what belongs to node n, which has been required. O(bytes). Throws std::bad_alloc.
+  // Appends the packed mesh or splits of node n, which has been required. O(bytes). Throws std::bad_alloc.
   void pack_mesh(const hlod::HlodView& view, hlod::NodeId n, LargeVector<std::byte>& out);
   void pack_splits(const hlod::HlodView& view, hlod::NodeId n, LargeVector<std::byte>& out);
 
@@ -38,7 +38,7 @@ class NodePacker {
   std::vector<std::byte> filtered_, planes_, frame_;
 };
 
-// One at a time; buffers are kept.
+// Unpacks one node at a time and reuses its buffers.
 class NodeUnpacker {
  public:
   // Throws std::bad_alloc.
@@ -47,8 +47,8 @@ class NodeUnpacker {
   NodeUnpacker(const NodeUnpacker&) = delete;
   NodeUnpacker& operator=(const NodeUnpacker&) = delete;
 
-  // The reverse: of node n, whose raw bytes with what aligns the next have the size of `raw`. False when `packed` is
-  // damaged. Never writes outside `raw`. O(bytes). Throws std::bad_alloc.
+  // Unpacks the mesh or splits of node n, of the size of `raw` with padding for the next. Returns false when `packed`
+  // is damaged. Never writes outside `raw`. O(bytes). Throws std::bad_alloc.
   [[nodiscard]] bool unpack_mesh(const hlod::HlodView& view, hlod::NodeId n, std::span<const std::byte> packed,
                                  std::span<std::byte> raw);
   [[nodiscard]] bool unpack_splits(const hlod::HlodView& view, hlod::NodeId n, std::span<const std::byte> packed,

@@ -16,7 +16,7 @@ namespace {
 using State = NodeCache::State;
 using Urgency = NodeCache::Urgency;
 
-// Meshes that lie side by side are read together up to so many bytes: larger reads are hardly faster, and come late.
+// Adjacent meshes are read together up to this many bytes: larger reads are hardly faster, and arrive late.
 constexpr std::size_t max_read_bytes = std::size_t{1} << 20U;
 
 void check(const CacheOptions& options) {
@@ -108,7 +108,7 @@ class NodeStore::Impl {
 
   void want(std::span<const NodeId> nodes, double priority) {
     missing_.clear();
-    if (!cache_.find_missing(nodes, missing_)) return;  // they never come
+    if (!cache_.find_missing(nodes, missing_)) return;  // some are never loaded
     groups_.push_back({wanted_.size(), nodes.size(), 0.0});
     wanted_.insert(wanted_.end(), nodes.begin(), nodes.end());
     for (const NodeId n : nodes) {
@@ -134,7 +134,7 @@ class NodeStore::Impl {
   }
 
  private:
-  // Nodes that are wanted together: a part of wanted_.
+  // Names nodes that are wanted together: a part of wanted_.
   struct Group {
     std::size_t first = 0, count = 0;
     double priority = 0.0;
@@ -143,7 +143,7 @@ class NodeStore::Impl {
     NodeId node = 0;
     double sum = 0.0;
   };
-  // What has been read of a node.
+  // Holds what has been read of a node.
   struct Arrival {
     NodeId node = 0;
     MeshBytes mesh;  // null where it failed
@@ -165,14 +165,15 @@ class NodeStore::Impl {
     read_now(read_or_throw);
   }
 
-  // The missing_ nodes, for which room is kept.
+  // Reads the missing_ nodes, for which memory is reserved.
   void read_now(void (*read)(MeshSource&, MeshLoad&)) {
     order_ = missing_;
     for (MeshLoad& load : make_loads()) {
       read(*source_, load);
       arrive(load);
     }
-    // Parents before children; nothing is left, since all that is above these comes with them or is there.
+    // Parents come before children. None is left waiting, since all ancestors of these nodes come with them or are
+    // resident.
     std::sort(arrivals_.begin(), arrivals_.end(), [](const Arrival& a, const Arrival& b) { return a.node < b.node; });
     for (Arrival& arrival : arrivals_) admit(arrival);
     arrivals_.clear();
@@ -201,7 +202,7 @@ class NodeStore::Impl {
     }
   }
 
-  // As many as a frame may, parents first; the others go on waiting.
+  // Admits as many arrivals as a frame may, parents first; the others keep waiting.
   void admit() {
     std::size_t bytes = 0;
     std::size_t kept = 0;
@@ -225,13 +226,13 @@ class NodeStore::Impl {
     for (const Patch& patch : view_.patches.subspan(node.first_patch, node.patches)) {
       if (patch.parent == no_id) continue;
       const State state = cache_.state(patch.parent);
-      if (state == State::absent || state == State::failed) return false;  // it cannot come any more
+      if (state == State::absent || state == State::failed) return false;  // it can never be admitted
       waits = waits || state == State::coming;
     }
     return waits;
   }
 
-  // Whether its mesh comes.
+  // Returns whether the mesh becomes resident.
   bool admit(Arrival& arrival) {
     if (arrival.mesh == nullptr) {
       cache_.fail(arrival.node);
@@ -249,7 +250,7 @@ class NodeStore::Impl {
     return true;
   }
 
-  // By node, each once; those of groups.
+  // Adds up the priorities of each node, and gives each group the largest of its nodes.
   void add_up_priorities() {
     std::sort(priorities_.begin(), priorities_.end(),
               [](const Priority& a, const Priority& b) { return a.node < b.node; });
@@ -281,10 +282,10 @@ class NodeStore::Impl {
       for (std::size_t i = 0; i < load.meshes.size(); ++i) cache_.release(load.first + static_cast<NodeId>(i));
   }
 
-  // What has not begun to be read is planned anew.
+  // Takes back all loads that have not begun, to plan them anew.
   void withdraw() { release(link_ ? link_->withdraw() : loader_->withdraw()); }
 
-  // What is to be read, in order_: no more than comes in a few frames, so that what is more urgent then comes first.
+  // Plans what to read, in order_: no more than arrives in a few frames, so that more urgent nodes can come first then.
   void plan() {
     order_.clear();
     const std::size_t most = 2 * options_.frame_bytes;
@@ -293,7 +294,7 @@ class NodeStore::Impl {
       if (cache_.coming_bytes() >= most) return;
       has_room = plan(nodes_of(group), Urgency::now) && has_room;
     }
-    if (!has_room) return;  // room that is left is for what is wanted
+    if (!has_room) return;  // the memory that is left is for wanted nodes
     for (const NodeId n : soon_) {
       if (cache_.coming_bytes() >= options_.frame_bytes || !plan({&n, 1}, Urgency::soon)) return;
     }
@@ -309,7 +310,7 @@ class NodeStore::Impl {
     return true;
   }
 
-  // False when there is no room; what has failed needs none.
+  // Returns false when there is not enough memory; failed nodes need none.
   bool plan(std::span<const NodeId> nodes, Urgency urgency) {
     missing_.clear();
     if (!cache_.find_missing(nodes, missing_) || missing_.empty()) return true;
@@ -323,7 +324,7 @@ class NodeStore::Impl {
     return mesh.place + mesh.bytes == source_->stored(a + 1).place;
   }
 
-  // Of the nodes in order_, each in the load of the first that it can be read with.
+  // Makes loads of the nodes in order_. Each node is in the load of the first node that it can be read with.
   [[nodiscard]] std::vector<MeshLoad> make_loads() {
     std::vector<NodeId> left = order_;
     std::sort(left.begin(), left.end());
@@ -333,7 +334,7 @@ class NodeStore::Impl {
       const auto place = static_cast<std::size_t>(std::lower_bound(left.begin(), left.end(), n) - left.begin());
       if (taken[place]) continue;
       std::size_t begin = place, end = place + 1, bytes = source_->stored(n).bytes;
-      const auto may_join = [&](std::size_t a, std::size_t joined) {  // left[a] and the one behind it
+      const auto may_join = [&](std::size_t a, std::size_t joined) {  // left[a] and the one after it
         return !taken[joined] && left[a] + 1 == left[a + 1] && are_side_by_side(left[a]) &&
                bytes + source_->stored(left[joined]).bytes <= max_read_bytes;
       };
@@ -357,18 +358,18 @@ class NodeStore::Impl {
   CacheOptions options_;
   NodeCache cache_;
   std::unique_ptr<MeshLink> link_;    // null: none
-  std::vector<NodeId> wanted_;        // of this frame, group by group
-  std::vector<Group> groups_;         // of this frame
-  std::vector<Priority> priorities_;  // of what is missing
-  std::vector<NodeId> soon_;          // of this frame
-  bool is_full_ = false;              // blocking: something found no room in this frame
-  NodeId first_lasting_ = 0;          // those before it are there or have failed
+  std::vector<NodeId> wanted_;        // in this frame, group by group
+  std::vector<Group> groups_;         // in this frame
+  std::vector<Priority> priorities_;  // of missing nodes
+  std::vector<NodeId> soon_;          // in this frame
+  bool is_full_ = false;              // blocking: a fetch found too little memory in this frame
+  NodeId first_lasting_ = 0;          // nodes before it are resident or have failed
   std::deque<MeshLoad> ended_;        // read
-  std::vector<Arrival> arrivals_;     // and to come
+  std::vector<Arrival> arrivals_;     // still to be admitted
   std::vector<std::string> failures_;
-  std::vector<NodeId> missing_, order_;  // scratch
+  std::vector<NodeId> missing_, order_;  // scratch memory
   StoreStats stats_;
-  std::optional<MeshLoader> loader_;  // ends first
+  std::optional<MeshLoader> loader_;  // destroyed first
 };
 
 NodeStore::NodeStore(const HlodView& view, std::shared_ptr<const void> owner, std::unique_ptr<MeshSource> source,

@@ -49,12 +49,12 @@ namespace {
 using namespace ohlod;
 using namespace sections;
 
-// What belongs to nodes, and its checksums, node by node.
+// Writes the parts of nodes and their checksums, node by node.
 class NodeSections {
  public:
   NodeSections(SectionWriter& writer, std::string_view digests_name) : writer_(writer), digests_name_(digests_name) {}
 
-  // As it is. `digest_of(n)`: of node n.
+  // Adds them unpacked. `digest_of(n)` returns the checksum of node n.
   template <typename Digest>
   void add(std::string_view name, std::span<const std::byte> all, std::size_t nodes, const Digest& digest_of) {
     writer_.add(name, all, Check::parts);
@@ -65,7 +65,7 @@ class NodeSections {
     add_digests();
   }
 
-  // `pack(n, bytes)` appends what belongs to node n.
+  // Adds them packed. `pack(n, bytes)` appends the part of node n.
   template <typename Pack>
   void add_packed(std::string_view name, std::string_view places_name, std::size_t nodes, const Pack& pack) {
     for (hlod::NodeId n = 0; n < nodes; ++n) {
@@ -144,11 +144,11 @@ namespace {
 using namespace ohlod;
 using namespace sections;
 
-// What an HLOD in a file keeps alive.
+// Holds what an HLOD in a file keeps alive.
 struct Owner {
   std::shared_ptr<SectionReader> reader;
   Materials materials;
-  UninitializedVector<std::byte> meshes, splits;  // of a packed file: those of each node once they have been checked
+  UninitializedVector<std::byte> meshes, splits;  // in a packed file: those of each node, once checked
 };
 
 void take(const Summary& summary, const SectionReader& reader, hlod::HlodView& view) {
@@ -166,7 +166,7 @@ void take(const Summary& summary, const SectionReader& reader, hlod::HlodView& v
   view.has_seams = (summary.wedges & has_seams) != 0;
 }
 
-// For for_each_array(): arrays without parts.
+// Reads the arrays without parts, as the visitor of for_each_array().
 struct TableReader {
   SectionReader& reader;
 
@@ -176,7 +176,7 @@ struct TableReader {
   }
 };
 
-// All but meshes and what is told of splits within nodes.
+// Holds everything but meshes and the arrays of refinement within nodes.
 struct Tables {
   hlod::HlodView view;
   std::shared_ptr<Owner> owner;  // of what the view refers to
@@ -184,7 +184,7 @@ struct Tables {
   OlodCompression compression = OlodCompression::none;
 };
 
-// Throws Error.
+// Reads the tables. Throws Error.
 Tables read_tables(const std::shared_ptr<SectionReader>& reader) {
   Tables tables;
   hlod::HlodView& view = tables.view;
@@ -200,7 +200,8 @@ Tables read_tables(const std::shared_ptr<SectionReader>& reader) {
   return tables;
 }
 
-// Of nodes, without meshes and splits. `mesh_bytes`: of all meshes. Throws Error.
+// Checks the nodes, without meshes and splits, and returns the digests of meshes. `mesh_bytes` is the size of all
+// meshes. Throws Error.
 std::span<const std::uint64_t> check_nodes(SectionReader& reader, const hlod::HlodView& view,
                                            std::uint64_t mesh_bytes) {
   if (const auto problem = check_structure(view, mesh_bytes))
@@ -210,12 +211,12 @@ std::span<const std::uint64_t> check_nodes(SectionReader& reader, const hlod::Hl
   return digests;
 }
 
-// A run of bytes that belongs to one node, unpacked.
+// Locates the unpacked bytes that belong to one node.
 struct Extent {
   std::uint64_t place = 0, bytes = 0;
 };
 
-// With what aligns the next.
+// Returns the extent of a mesh with padding for the next.
 Extent mesh_extent(const hlod::HlodView& view, hlod::NodeId n) {
   const hlod::Node& node = view.nodes[n];
   return {node.mesh, hlod::align_mesh(hlod::MeshLayout(node, arrays_of(view)).bytes)};
@@ -226,16 +227,16 @@ Extent splits_extent(const hlod::HlodView& view, hlod::NodeId n) {
   return {within.place, hlod::align_mesh(hlod::SplitsLayout(within, arrays_of(view)).bytes)};
 }
 
-// Where a packed file has what belongs to each node: meshes or splits.
+// Tells where a packed file has the mesh or the splits of each node.
 struct PackedNodes {
-  std::span<const std::uint64_t> places;  // in its section: of each node, and the end
-  std::uint64_t unpacked_bytes = 0;       // of all
+  std::span<const std::uint64_t> places;  // per node, in its section; then the end
+  std::uint64_t unpacked_bytes = 0;       // of all nodes
 
   [[nodiscard]] std::size_t bytes_of(hlod::NodeId n) const noexcept { return places[n + 1] - places[n]; }
 };
 
-// `extent_of(n)`. Throws Error unless both places and extents follow each other without gaps, and packed bytes can be
-// those of unpacked ones. O(nodes).
+// Reads the places of packed nodes. `extent_of(n)` returns the unpacked extent. Throws Error unless places and extents
+// both follow each other without gaps, and the packed bytes can unpack to that many. O(nodes).
 template <typename ExtentOf>
 PackedNodes read_packed(SectionReader& reader, std::string_view bytes_name, std::string_view places_name,
                         std::size_t nodes, const ExtentOf& extent_of) {
@@ -256,13 +257,13 @@ PackedNodes read_packed(SectionReader& reader, std::string_view bytes_name, std:
   return packed;
 }
 
-// Of meshes or splits of all nodes in a packed file, unpacks those that are asked for, once each.
+// Unpacks the meshes or splits of nodes in a packed file on request, once each.
 class Unpacking {
  public:
   Unpacking(std::span<const std::byte> bytes, const PackedNodes& packed, std::span<std::byte> unpacked)
       : bytes_(bytes), packed_(packed), unpacked_(unpacked), done_(packed.places.size() - 1) {}
 
-  // Any number of threads may ask. `unpack(unpacker, packed, raw)` returns false when the bytes are damaged.
+  // Any number of threads may call this. `unpack(unpacker, packed, raw)` returns false when the bytes are damaged.
   template <typename Unpack>
   [[nodiscard]] bool unpack(hlod::NodeId n, const Extent& extent, std::uint64_t digest, const Unpack& unpack) {
     static thread_local NodeUnpacker unpacker;
@@ -279,11 +280,11 @@ class Unpacking {
   std::span<const std::byte> bytes_;
   PackedNodes packed_;
   std::span<std::byte> unpacked_;
-  std::vector<std::uint8_t> done_;  // by node
+  std::vector<std::uint8_t> done_;  // per node
   std::array<std::mutex, 16> mutexes_;
 };
 
-// By node.
+// Holds one digest per node.
 struct Digests {
   std::span<const std::uint64_t> meshes, splits;
 };
@@ -293,7 +294,7 @@ class FileGuard final : public hlod::NodeGuard {
   FileGuard(std::shared_ptr<const Owner> owner, const hlod::HlodView& view, const Digests& digests)
       : NodeGuard(view.nodes.size(), view.within.size()), owner_(std::move(owner)), view_(view), digests_(digests) {}
 
-  // Of a packed file.
+  // They are null unless the file is packed.
   std::unique_ptr<Unpacking> meshes, splits;
 
  private:
@@ -324,7 +325,7 @@ class FileGuard final : public hlod::NodeGuard {
   Digests digests_;
 };
 
-// Makes room for what is unpacked.
+// Makes room for the unpacked bytes.
 template <typename ExtentOf>
 std::unique_ptr<Unpacking> unpack_into(UninitializedVector<std::byte>& unpacked, SectionReader& reader,
                                        std::string_view bytes_name, std::string_view places_name, std::size_t nodes,
@@ -334,7 +335,7 @@ std::unique_ptr<Unpacking> unpack_into(UninitializedVector<std::byte>& unpacked,
   return std::make_unique<Unpacking>(reader.read<std::byte>(bytes_name, Check::parts), packed, unpacked);
 }
 
-// Meshes in an open file.
+// Reads meshes from an open file.
 class FileMeshes final : public hlod::MeshSource {
  public:
   FileMeshes(std::shared_ptr<const InputFile> file, std::shared_ptr<const SectionReader> reader,

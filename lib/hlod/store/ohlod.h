@@ -1,4 +1,4 @@
-// The parts that writing and reading .ohlod files share.
+// Declares what writing and reading .ohlod files share.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace occlod::ohlod {
 
-// Of files that are not packed: those with texture coordinates, materials or seams, and those without.
+// These are the versions of files that are not packed, with and without texture coordinates, materials or seams.
 inline constexpr std::uint32_t wedges_version = 2, plain_version = 1;
 
 // The carriage returns and the end-of-file byte reveal a transfer in text mode, as in PNG.
@@ -18,7 +18,7 @@ inline constexpr sections::FileKind file_kind{
     {'O', 'H', 'L', 'D', '\r', '\n', '\x1a', '\n'}, ohlod_version, ".ohlod", "make one with 'occlod hlod build'",
     "build it again with 'occlod hlod build'",      plain_version};
 
-// Everything in an HLOD that is not an array.
+// Holds everything in an HLOD that is not an array.
 struct Summary {
   Box box;
   std::uint64_t input_triangle_count = 0;
@@ -31,7 +31,7 @@ struct Summary {
 };
 static_assert(sizeof(Summary) == 56);
 
-// What meshes have, of wedges_version or later.
+// Tells which attributes meshes have, in files of wedges_version or later.
 enum WedgeFlag : std::uint32_t { has_texture_coordinates = 1, has_materials = 2, has_seams = 4, all_wedge_flags = 7 };
 
 [[nodiscard]] inline std::uint32_t wedge_flags(const hlod::HlodView& view) {
@@ -39,22 +39,22 @@ enum WedgeFlag : std::uint32_t { has_texture_coordinates = 1, has_materials = 2,
          (view.has_seams ? has_seams : 0U);
 }
 
-// Whether an HLOD needs wedges_version.
+// Returns whether an HLOD needs wedges_version.
 [[nodiscard]] inline bool needs_wedges(const hlod::HlodView& view) {
   return wedge_flags(view) != 0 || !view.materials.empty() || !view.textures.empty();
 }
 
-// lattice_name: one float, HlodView::lattice_step, where there is one.
+// The section lattice_name holds one float, HlodView::lattice_step, where there is one.
 inline constexpr std::string_view summary_name = "INFO", lattice_name = "LATT", meshes_name = "MESH",
                                   digests_name = "BLOK", splits_name = "WSPL", splits_digests_name = "WBLK";
 
-// Of packed files, instead of meshes_name and splits_name: what node_codec.h makes of each node, and where that begins;
-// one place more, for the end of the last.
+// A packed file has these sections instead of meshes_name and splits_name: the output of node_codec.h for each node,
+// and the places where each begins, followed by the end of the last.
 inline constexpr std::string_view packed_meshes_name = "PMSH", mesh_places_name = "PMPL", packed_splits_name = "PSPL",
                                   splits_places_name = "PSPP";
 
-// Calls visit(name, array, has_parts) for every array of an HLOD: the one list of what a file holds. That with parts is
-// checked node by node.
+// Calls visit(name, array, has_parts) for every array of an HLOD, which defines what a file holds. Arrays with parts
+// are checked node by node.
 template <typename View, typename Visit>
 void for_each_array(View& view, const Visit& visit) {
   visit("NODE", view.nodes, false);
@@ -65,16 +65,16 @@ void for_each_array(View& view, const Visit& visit) {
   visit(meshes_name, view.meshes, true);
 }
 
-// The same for the arrays of refinement within nodes, which a file may lack.
+// Calls visit(name, array, has_parts) for the arrays of refinement within nodes, which a file may lack.
 template <typename View, typename Visit>
 void for_each_within_array(View& view, const Visit& visit) {
   visit("WNOD", view.within, false);
   visit(splits_name, view.splits, true);
 }
 
-// XXH3-64 of the mesh of a node and what aligns the next one. The place of the mesh has been checked.
+// Returns the XXH3-64 of the mesh of a node with padding for the next. The place of the mesh has been checked.
 [[nodiscard]] std::uint64_t digest_of_mesh(const hlod::HlodView& view, hlod::NodeId n);
-// The same for its splits.
+// Returns the XXH3-64 of the node's splits with padding for the next. Their place has been checked.
 [[nodiscard]] std::uint64_t digest_of_splits(const hlod::HlodView& view, hlod::NodeId n);
 
 }  // namespace occlod::ohlod

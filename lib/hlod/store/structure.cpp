@@ -13,7 +13,7 @@
 namespace occlod::hlod {
 namespace {
 
-// In [0, 1), the same with every standard library.
+// Returns a number in [0, 1) that is the same with every standard library.
 double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11U) * 0x1p-53; }
 
 bool are_parents_refined(const Hlod& hlod, const Refined& refined, NodeId n) {
@@ -232,7 +232,7 @@ std::optional<std::string> check_mesh(const HlodView& data, NodeId n, const Node
     if (!is_finite(p)) return "a position is not finite";
   if (!are_materials(data, mesh.materials)) return "a material is not there";
   constexpr NodeId several = no_id - 1;
-  std::vector<NodeId> parent(mesh.positions.size(), no_id);  // of the patches that use the vertex
+  std::vector<NodeId> parent(mesh.positions.size(), no_id);  // per vertex, parent of the patches that use it
   for (const Patch& patch : hlod.patches(n))
     for (std::uint32_t i = patch.first_index; i < patch.first_index + patch.index_count; i += 3) {
       const std::uint16_t a = mesh.indices[i], b = mesh.indices[i + 1], c = mesh.indices[i + 2];
@@ -254,7 +254,7 @@ std::optional<std::string> check_within(const HlodView& data, NodeId n) {
   const Hlod hlod(data, nullptr);
   if (!hlod.has_within(n)) return {};
   const NodeSplits within = hlod.within(n);
-  const std::size_t first = hlod.node(n).vertices + std::size_t{data.within[n].bare};  // that a split brings back
+  const std::size_t first = hlod.node(n).vertices + std::size_t{data.within[n].bare};  // first that a split brings back
   const std::size_t vertices = first + within.parents.size();
   if (!std::ranges::all_of(within.positions, is_finite)) return "a position is not finite";
   if (!are_materials(data, within.materials)) return "a material is not there";

@@ -1,4 +1,4 @@
-// Which nodes are drawn together.
+// Chooses random fronts of an HLOD, and lists the patches that a front draws.
 #pragma once
 
 #include <cstddef>
@@ -10,18 +10,19 @@
 
 namespace occlod::hlod {
 
-// By node, whether it is refined. Legal when no node is refined without all its parents, and none of level 0.
+// Tells for each node whether it is refined. A front is legal when no node is refined without all its parents, and none
+// of level 0.
 using Refined = std::vector<char>;
 
-// A random legal front: refined with one probability everywhere, or towards a random place. Changes with the whole
+// Returns a random legal front, refined with one probability everywhere or towards a random place. It depends on the
 // state of `random` and nothing else. O(nodes).
 [[nodiscard]] Refined random_front(const Hlod& hlod, std::mt19937_64& random);
 
-// By node, how many of its splits are applied; 0 where it is drawn as it is.
+// Gives for each node the number of its splits that are applied; 0 where it is drawn as it is.
 using Cuts = std::vector<std::uint32_t>;
 
-// For a front, a random number of splits of half of the nodes that may be refined within: those that have splits, are
-// not refined, and all of whose parents are. O(nodes).
+// Returns a random number of splits for half of the nodes that may be refined within: those that have splits, are not
+// refined, and whose parents all are. O(nodes).
 [[nodiscard]] Cuts random_cuts_of(const Hlod& hlod, const Refined& refined, std::mt19937_64& random);
 
 // Calls visit(node, patch, place of the patch in HlodView::patches) for every patch that the front draws. O(nodes).

@@ -30,13 +30,13 @@ bool holds(const Sphere& outer, const glm::vec3& center, float radius) {
          static_cast<double>(outer.radius);
 }
 
-// A directed edge of the input's boundary, and how often it is there.
+// Counts a directed edge of the input's boundary.
 struct BoundaryEdge {
   PointId from = 0, to = 0;
   std::size_t count = 0;
 };
 
-// What is left of the directed edges when each is cancelled by its reverse. Sorts them.
+// Returns the directed edges that remain when each is cancelled by its reverse. Sorts `edges`.
 std::vector<BoundaryEdge> net_edges(std::vector<std::pair<PointId, PointId>>& edges) {
   const auto undirected = [](const auto& e) {
     return std::pair(std::min(e.first, e.second), std::max(e.first, e.second));
@@ -77,7 +77,7 @@ class Validator {
   }
 
  private:
-  // Where a point went, and the node that merged it. A merged point is in no coarser node.
+  // Records where a point went, and the node that merged it. A merged point is in no coarser node.
   struct PointMerge {
     PointId into = no_id;
     NodeId by = no_id;
@@ -95,7 +95,7 @@ class Validator {
     return count;
   }
 
-  // Most of invariant 1.
+  // Checks most of invariant 1.
   void check_errors() {
     for (NodeId n = 0; n < h_.node_count(); ++n) {
       const Node& node = h_.node(n);
@@ -121,7 +121,7 @@ class Validator {
     }
   }
 
-  // Every vertex of every node by its position.
+  // Identifies every vertex of every node by its position.
   void identify_points() {
     first_vertex_.reserve(h_.node_count());
     std::size_t vertices = 0;
@@ -144,7 +144,7 @@ class Validator {
   }
 
   [[nodiscard]] PointId point(NodeId n, std::size_t vertex) const { return point_of_[first_vertex_[n] + vertex]; }
-  // Where the parent that merges it puts it.
+  // Returns the point to which `parent` merges the vertex.
   [[nodiscard]] PointId image(NodeId n, const NodeMesh& mesh, std::uint16_t vertex, NodeId parent) const {
     return mesh.merged_into[vertex] == stays ? point(n, vertex) : point(parent, mesh.merged_into[vertex]);
   }
@@ -158,7 +158,7 @@ class Validator {
     }
   }
 
-  // Invariants 2, 3 and the rest of 1.
+  // Checks invariants 2 and 3 and the rest of invariant 1.
   void check_node(NodeId n) {
     inputs_.clear();
     ChainSum input, wanted, found;
@@ -184,7 +184,7 @@ class Validator {
       report("node {} has a vertex that none of its children has", n);
   }
 
-  // Invariant 5, without fronts.
+  // Checks invariant 5, without fronts.
   void check_splits(NodeId n, std::span<const PointId> own, const ChainSum& input) {
     if (const auto problem = within_->add(n, own, input)) return report("the splits of node {} {}", n, *problem);
     bool same = true;
@@ -192,7 +192,7 @@ class Validator {
     if (!same) report("the splits of node {} contradict its merges", n);
   }
 
-  // What `parent` replaces of `child`, before and after its merges.
+  // Adds the triangles of `child` that `parent` replaces, before and after its merges.
   void add_input(NodeId child, NodeId parent, ChainSum& before, ChainSum& after) {
     const NodeMesh mesh = h_.mesh(child);
     for (const Patch& patch : h_.patches(child)) {
@@ -212,7 +212,7 @@ class Validator {
     }
   }
 
-  // Part of invariant 4.
+  // Checks a part of invariant 4.
   void note_merge(PointId from, const PointMerge& merge) {
     if (merge_of_[from] == merge) return;
     merges_.emplace_back(from, merge);
@@ -221,9 +221,9 @@ class Validator {
     merge_of_[from] = merge;
   }
 
-  // The rest of invariant 4. In a legal front each input vertex stands where the coarser nodes that are not refined
-  // have moved it. The front conforms iff its oriented boundary is that of the input so moved. Both are sums, of what
-  // does not change from front to front: one for each patch, and the edges of the input's boundary.
+  // Checks the rest of invariant 4. In a legal front, each input vertex lies where the coarser unrefined nodes have
+  // moved it. The front conforms iff its oriented boundary is that of the input moved in this way. Both are sums of
+  // terms that do not change from front to front: one per patch, and the edges of the input's boundary.
   void check_fronts() {
     const std::vector<ChainSum> patches = sum_patches();
     const std::vector<BoundaryEdge> input = input_boundary();
@@ -251,7 +251,8 @@ class Validator {
              cuts.empty() ? "" : " and cuts within nodes");
   }
 
-  // Each node that merges it is on a coarser level than the one before; in a file that lies it may not be.
+  // Returns where a front has moved p. Each node that merges it must be on a coarser level than the one before; in a
+  // damaged file it may not be.
   [[nodiscard]] PointId moved(PointId p, const Refined& refined, const Cuts& cuts) const {
     int level = 0;
     while (merge_of_[p].by != no_id && refined[merge_of_[p].by] == 0 && h_.node(merge_of_[p].by).level > level) {
@@ -281,7 +282,7 @@ class Validator {
     return sums;
   }
 
-  // First within each node, so that only few edges are left to be sorted together.
+  // Cancels edges within each node first, so that few are left to be sorted together.
   [[nodiscard]] std::vector<BoundaryEdge> input_boundary() const {
     std::vector<std::pair<PointId, PointId>> edges, left;
     for (NodeId n = h_.data().levels[0].first_node; n < h_.node_count(); ++n) {
@@ -297,13 +298,13 @@ class Validator {
   ValidateOptions options_;
   std::vector<std::string> violations_;
   PositionIds points_;
-  std::vector<std::size_t> first_vertex_;  // of each node, into point_of_
+  std::vector<std::size_t> first_vertex_;  // per node, into point_of_
   std::vector<PointId> point_of_;
-  std::vector<PointMerge> merge_of_;                    // by point
-  std::vector<Box> boxes_;                              // by point: around all that were merged into it so far
-  std::vector<std::pair<PointId, PointMerge>> merges_;  // of the level that is checked
-  std::vector<PointId> inputs_;                         // of the node that is checked
-  std::optional<WithinPoints> within_;                  // once points are known
+  std::vector<PointMerge> merge_of_;                    // per point
+  std::vector<Box> boxes_;                              // per point, around all that were merged into it so far
+  std::vector<std::pair<PointId, PointMerge>> merges_;  // of the level that is being checked
+  std::vector<PointId> inputs_;                         // of the node that is being checked
+  std::optional<WithinPoints> within_;                  // set once points are known
 };
 
 }  // namespace
@@ -314,7 +315,7 @@ std::vector<std::string> validate(const Hlod& hlod, const ValidateOptions& optio
 
 namespace {
 
-// As restores(), of a mesh that has been rounded.
+// Does what restores() does, for a mesh that has been rounded.
 bool is_level_zero(const Hlod& hlod, const TriangleMesh& mesh) {
   if (hlod.data().input_triangle_count != mesh.triangle_count()) return false;
   const WedgeAttributes input{mesh.positions, mesh.normals, mesh.colors, mesh.texture_coordinates};
@@ -338,10 +339,10 @@ bool is_level_zero(const Hlod& hlod, const TriangleMesh& mesh) {
   return restored == given;
 }
 
-// Of a set of triangles, whatever their order.
+// Sums a set of triangles, whatever their order.
 class TriangleSum final : public TriangleSink {
  public:
-  // Pieces are rounded to the lattice, if there is one.
+  // Rounds pieces to the lattice, if there is one.
   explicit TriangleSum(float lattice_step = 0.0F) : step_(lattice_step) {}
 
   void add(const Triangle& t, std::span<const glm::vec3> positions) {

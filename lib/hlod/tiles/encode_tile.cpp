@@ -94,7 +94,7 @@ TileLattice::TileLattice(std::span<const glm::vec3> positions, int bits) {
   const Box box = bounding_box(positions);
   const glm::dvec3 low(box.min), high(box.max);
   const double max_steps = std::exp2(bits) - 1.0;
-  // Doubles hold 53 bits, of which the place itself takes some.
+  // Doubles hold 53 bits, some of which the place itself takes.
   const double farthest = largest(glm::max(glm::abs(low), glm::abs(high)));
   const double finest = std::max({largest(high - low) / max_steps, std::ldexp(farthest, -50), std::ldexp(1.0, -149)});
   step_ = std::exp2(std::ceil(std::log2(finest)));
@@ -143,7 +143,7 @@ class TileEncoder {
     if (lattice_) require_extension("KHR_mesh_quantization");
     if (is_compressed()) {
       require_extension("EXT_meshopt_compression");
-      // For clients without the extension, of which there are none, as it is required.
+      // This buffer is for clients without the extension. There are none, because the extension is required.
       document_.json()["buffers"][1] = {{"byteLength", fallback_bytes_},
                                         {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}};
     }
@@ -182,7 +182,7 @@ class TileEncoder {
     return look_.materials.empty() || image_of(look_.materials[primitive.material]) != nullptr;
   }
 
-  // Null without one.
+  // Returns null for a material without an image.
   [[nodiscard]] const std::string* image_of(const Material& material) const {
     if (material.texture == no_texture || look_.images[material.texture].empty()) return nullptr;
     return &look_.images[material.texture];
@@ -204,7 +204,7 @@ class TileEncoder {
     return known->second;
   }
 
-  // As integers where they are in [0, 1].
+  // Adds texture coordinates, as integers if they are in [0, 1].
   std::size_t add_texture_coordinates(const GlbPrimitive& primitive) {
     const bool flip = look_.origin != TextureOrigin::top_left;
     const auto at = [&](WedgeId w) {
@@ -241,7 +241,7 @@ class TileEncoder {
     return accessor;
   }
 
-  // In glTF's axes: y of the lattice counts downwards from its far end.
+  // Adds lattice positions in glTF's axes: y counts downwards from the far end of the lattice.
   std::size_t add_lattice_positions(const GlbPrimitive& primitive) {
     ByteStream stream(8, primitive.wedges.size());
     glm::u16vec3 least(65535), most(0);
@@ -310,7 +310,7 @@ class TileEncoder {
     return accessor;
   }
 
-  // `encoded`: of a compressed tile; else the stream is written as it is.
+  // Adds an accessor. `encoded` holds the bytes of a compressed tile; otherwise the stream is written unencoded.
   std::size_t add_accessor(const ByteStream& stream, const std::string& encoded, int component_type, const char* type,
                            int target) {
     const std::string& bytes = is_compressed() ? encoded : stream.bytes();
@@ -346,9 +346,9 @@ class TileEncoder {
   const glm::dvec3 origin_;             // of positions as floats
   std::optional<TileLattice> lattice_;  // of positions as integers
   GlbDocument document_;
-  std::map<TextureId, TextureId> textures_;  // from those of the HLOD to those of the document
-  std::string buffer_;                       // the file's
-  std::uint64_t fallback_bytes_ = 0;         // of the buffer that decoders fill
+  std::map<TextureId, TextureId> textures_;  // from ids of the HLOD to ids of the document
+  std::string buffer_;                       // written to the file
+  std::uint64_t fallback_bytes_ = 0;         // size of the buffer that decoders fill
   TileContent content_;
 };
 

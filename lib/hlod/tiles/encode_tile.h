@@ -1,4 +1,4 @@
-// What an accessor reads: elements of one size, in little-endian bytes.
+// Encodes the content of a tile as a binary glTF file, optionally quantised and compressed.
 #pragma once
 
 #include <algorithm>
@@ -20,11 +20,12 @@
 
 namespace occlod::tiles {
 
+// Holds what an accessor reads: elements of one size, as little-endian bytes.
 class ByteStream {
  public:
   ByteStream(std::size_t stride, std::size_t count) : stride_(stride), count_(count) { bytes_.reserve(stride * count); }
 
-  // `count` times `stride` bytes in all.
+  // Appends the numbers, which amount to `count` times `stride` bytes over all calls.
   template <class... Numbers>
   void add(Numbers... values) {
     (add_one(values), ...);
@@ -46,42 +47,39 @@ class ByteStream {
   std::string bytes_;
 };
 
-// EXT_meshopt_compression, by meshoptimizer where the library is built with it.
-
-// Whether the build can. Where not, nothing else here may be called.
+// Returns whether the library is built with meshoptimizer. Otherwise the next three functions, which implement
+// EXT_meshopt_compression, must not be called.
 [[nodiscard]] bool has_meshopt() noexcept;
 
-// Orders triangles for vertex caches and wedges by first use, which the codecs make use of.
+// Orders triangles for vertex caches and wedges by first use, which helps the codecs.
 void order_for_codec(GlbPrimitive& primitive);
 
-// Mode ATTRIBUTES, version 0, without a filter.
+// Encodes in mode ATTRIBUTES, version 0, without a filter.
 [[nodiscard]] std::string encode_vertices(const ByteStream& stream);
 
-// Mode TRIANGLES, version 1. Decoding may rotate triangles.
+// Encodes in mode TRIANGLES, version 1. Decoding may rotate triangles.
 [[nodiscard]] std::string encode_triangles(std::span<const std::uint32_t> indices, std::size_t vertices);
 
-// What the positions of a tile count from.
-
-// A place from which all positions are exact as floats, for each coordinate: 0 where the box reaches to within half of
-// its extent of it, else the middle of the box. Then differences are multiples of the last place of the smallest
-// coordinate, and no larger than that coordinate.
+// Returns an origin relative to which all positions are exact as floats. For each coordinate it is 0 if the box reaches
+// to within half of its extent of 0, else the middle of the box. Then differences are multiples of the last place of
+// the smallest coordinate, and no larger than that coordinate.
 [[nodiscard]] glm::dvec3 near_origin(std::span<const glm::vec3> positions);
 
-// The points whose coordinates are multiples of a power of two, near some positions. So two lattices of one step have
-// the same points: tiles of about the same size round a vertex that they share to the same place.
+// Holds a lattice of points near some positions, whose coordinates are multiples of a power of two. All lattices of one
+// step have the same points, so tiles of about the same size round a shared vertex to the same place.
 class TileLattice {
  public:
-  // The finest on which the positions, at least one, take `bits` (at most 16) a coordinate.
+  // Chooses the finest lattice on which the positions, at least one, take `bits` (at most 16) per coordinate.
   TileLattice(std::span<const glm::vec3> positions, int bits);
 
-  // Object units.
+  // Returns the distance of neighbouring points, in object units.
   [[nodiscard]] double step() const noexcept { return step_; }
-  // Where integers count from in y-up axes: least x, largest y, least z of the object's axes.
+  // Returns the origin of the integers in y-up axes: least x, largest y and least z of the object's axes.
   [[nodiscard]] glm::dvec3 origin() const noexcept;
-  // The nearest point, for one of the positions; at (0, 0, 0) are the least coordinates.
+  // Returns the nearest lattice point to one of the positions; (0, 0, 0) has the least coordinates.
   [[nodiscard]] glm::u16vec3 at(const glm::vec3& position) const;
   [[nodiscard]] glm::dvec3 position(const glm::u16vec3& at) const;
-  // The largest coordinates.
+  // Returns the largest coordinates.
   [[nodiscard]] const glm::u16vec3& far_end() const noexcept { return far_end_; }
 
  private:
@@ -90,9 +88,7 @@ class TileLattice {
   glm::u16vec3 far_end_;
 };
 
-// Boxes of tiles, in double precision: contents may lie beside the floats of the HLOD.
-
-// Of nothing, at first.
+// Holds the box of a tile in double precision, because contents may lie beside the floats of the HLOD. It starts empty.
 struct TileBox {
   glm::dvec3 min{std::numeric_limits<double>::infinity()};
   glm::dvec3 max{-std::numeric_limits<double>::infinity()};
@@ -108,7 +104,8 @@ struct TileBox {
   }
 };
 
-// No thinner than a millionth of its largest extent, and no point: some clients cannot do with a flat box.
+// Returns the box made no thinner than a millionth of its largest extent, and never a point: some clients fail on flat
+// boxes.
 [[nodiscard]] inline TileBox thickened(TileBox box) {
   const glm::dvec3 extent = box.max - box.min;
   const glm::dvec3 farthest = glm::max(glm::abs(box.min), glm::abs(box.max));
@@ -123,30 +120,28 @@ struct TileBox {
   return box;
 }
 
-// The content of a tile: a binary glTF file.
-
 struct TileFormat {
   Compression compression = Compression::none;
   int quantise_bits = 0;  // 0: floats
 };
 
-// What the materials of an HLOD look like.
+// Describes the appearance of the materials of an HLOD.
 struct TileLook {
   std::span<const Material> materials;
   std::span<const Texture> textures;
-  std::vector<std::string> images;  // by texture: its uri from a content; empty: left out
+  std::vector<std::string> images;  // per texture, its URI relative to a content; empty: left out
   TextureOrigin origin = TextureOrigin::top_left;
 };
 
 struct TileContent {
-  std::string bytes;  // of the file
-  TileBox box;        // of its vertices, as they are decoded
+  std::string bytes;  // contents of the file
+  TileBox box;        // around its decoded vertices
 };
 
-// Y up, as glTF has it: clients turn that to z up. Positions count from a place within the tile's box, or from a plane
-// of the origin where that is as near, so that as floats they are exact; as integers from a lattice that neighbours of
-// about the same size share. A content has the
-// materials that it uses. `tile` has triangles. Fails for files of more than 4 GiB. O(n).
+// Returns a tile in glTF's y-up axes, which clients turn to z up. As floats, positions are relative to a place within
+// the tile's box, or to a plane of the origin that is as near, so that they are exact; as integers, to a lattice that
+// neighbours of about the same size share. The file has only the materials that it uses. `tile` must have triangles.
+// Throws Error for files of more than 4 GiB. O(n).
 [[nodiscard]] TileContent encode_tile(const TileMesh& tile, const TileLook& look, const TileFormat& format,
                                       const FileErrors& errors);
 

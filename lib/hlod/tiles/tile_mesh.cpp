@@ -30,8 +30,8 @@ std::vector<std::uint32_t> first_at_position(std::span<const glm::vec3> position
 
 std::vector<BorderEdge> border_edges(std::span<const Triangle> triangles, std::span<const std::uint32_t> first) {
   struct Use {
-    std::pair<std::uint32_t, std::uint32_t> edge;  // at first vertices, the lesser first
-    std::size_t corner;                            // from which it leads, of 3 for each triangle
+    std::pair<std::uint32_t, std::uint32_t> edge;  // between first vertices, the lesser first
+    std::size_t corner;                            // its first corner, of 3 per triangle
   };
   std::vector<Use> uses;
   uses.reserve(3 * triangles.size());
@@ -72,19 +72,19 @@ namespace {
 
 bool is_before(const glm::vec3& a, const glm::vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
-// What one node adds to a vertex.
+// Holds what one node adds to a vertex.
 struct Part {
   glm::vec3 position;
   glm::dvec3 area;
 };
 
 struct Edge {
-  glm::vec3 a, b;  // a is before b
+  glm::vec3 a, b;  // a is less than b
 };
 
 bool is_before(const Edge& x, const Edge& y) { return is_before(x.a, y.a) || (x.a == y.a && is_before(x.b, y.b)); }
 
-// In the order of the nodes, so that sums are the same on every run.
+// Must be called in the order of the nodes, so that sums are the same in every run.
 void take_node(const hlod::NodeMesh& mesh, std::vector<Part>& parts, std::vector<Edge>& edges) {
   const std::vector<Triangle> triangles = triangles_of(mesh);
   const std::vector<std::uint32_t> first = first_at_position(mesh.positions);
@@ -115,7 +115,7 @@ std::vector<BorderVertex> join(std::vector<Part> parts) {
   return vertices;
 }
 
-// Of the first that is not before the position.
+// Returns the place of the first vertex that is not before the position.
 std::size_t place_of(const std::vector<BorderVertex>& vertices, const glm::vec3& position) {
   const auto found =
       std::lower_bound(vertices.begin(), vertices.end(), position,
@@ -161,7 +161,7 @@ void take_materials(TriangleMesh& mesh, const hlod::NodeMesh& node) {
   for (const Triangle& t : mesh.triangles) mesh.triangle_materials.push_back(node.materials[t.x]);
 }
 
-// Smooth across the border too where the node's own normal is within the angle of what all nodes there have.
+// Uses the normal of all nodes at a border vertex where the node's own normal is within the crease angle of it.
 void take_border_normals(TriangleMesh& mesh, double crease_deg, const BorderVertices& borders) {
   const float min_cosine = static_cast<float>(std::cos(crease_deg * 0.017453292519943295));
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -198,7 +198,7 @@ TileMesh tile_mesh(const hlod::Hlod& hlod, hlod::NodeId n, double crease_deg, co
   std::erase_if(mesh.triangles, [&](const Triangle& t) { return !has_area(mesh, t); });
   if (mesh.triangles.empty()) return {};
   take_materials(mesh, node);
-  // Normals are smooth across seams of textures: there vertices become wedges of one.
+  // Normals are smooth across seams of textures, where vertices become wedges of one vertex.
   if (hlod.data().has_seams) mesh = clean(std::move(mesh), {}, "tile").mesh;
   mesh = crease_normals(mesh, crease_deg);
   if (!mesh.corners.empty()) mesh.triangles = std::move(mesh.corners);
@@ -228,7 +228,7 @@ class SkirtMaker {
     for (const BorderEdge& edge : border_edges(mesh_.triangles, first_)) {
       if (is_inputs(edge.from) && is_inputs(edge.to)) continue;
       const VertexId from = hem(edge.from), to = hem(edge.to);
-      // Wound like a neighbour across the edge, so that it faces away from the tile.
+      // The winding is that of a neighbour across the edge, so the skirt faces away from the tile.
       mesh_.triangles.emplace_back(edge.to, edge.from, from);
       mesh_.triangles.emplace_back(edge.to, from, to);
       tile_.skirt_triangles += 2;
@@ -238,7 +238,7 @@ class SkirtMaker {
   }
 
  private:
-  // The vertex below v, with its attributes.
+  // Returns the vertex below v, with the attributes of v.
   VertexId hem(VertexId v) {
     if (hem_[v] != no_id) return hem_[v];
     hem_[v] = static_cast<VertexId>(mesh_.positions.size());
@@ -264,7 +264,7 @@ class SkirtMaker {
   double depth_;
   std::vector<std::uint32_t> first_;
   std::vector<glm::dvec3> areas_;
-  std::vector<VertexId> hem_;  // by vertex of the node: the one below it
+  std::vector<VertexId> hem_;  // per vertex of the node, the one below it
 };
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace occlod::tiles {
 namespace {
 
-// The least error above another: one that clients tell apart also as floats.
+// Returns the least error above another that clients can tell apart from it, even as floats.
 double above(double error, double extent) { return std::max(error * (1.0 + 1e-6), extent * 1e-9); }
 
 }  // namespace
@@ -24,7 +24,7 @@ hlod::NodeId parent_of(const hlod::Hlod& hlod, hlod::NodeId n) {
 }
 
 void TileTree::complete(TileError error, std::uint32_t tiles_per_file) {
-  // Children come after their parents.
+  // Children have larger ids than their parents.
   for (hlod::NodeId n = static_cast<hlod::NodeId>(tiles_.size()); n-- > 0;) {
     bound(n, error);
     const std::span<const hlod::NodeId> children = hlod_.children(n);
@@ -74,7 +74,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Centre and half axes.
+// Returns the box as centre and half axes.
 Json volume(const TileBox& box) {
   const glm::dvec3 center = 0.5 * box.min + 0.5 * box.max;
   const glm::dvec3 half = glm::max(box.max - center, center - box.min);
@@ -110,7 +110,7 @@ class JsonWriter {
     folder_.write(name, tileset.dump());
   }
 
-  // Several roots are the children of a tile that shows nothing.
+  // Returns the root tile. Several roots become the children of a tile without content.
   Json top() {
     const std::span<const hlod::NodeId> roots = tree_.hlod().data().roots;
     if (roots.size() == 1) return whole(roots[0]);
@@ -155,7 +155,7 @@ std::uint64_t write_tileset_json(AtomicFolder& folder, const TileTree& tree,
 
 namespace {
 
-// The sine and cosine of an angle, exact at multiples of 90 degrees.
+// Holds the sine and cosine of an angle, exact at multiples of 90 degrees.
 struct Direction {
   double sine;
   double cosine;
@@ -177,7 +177,7 @@ glm::dmat4 east_north_up(const GeodeticOrigin& origin) {
   const glm::dvec3 east(-longitude.sine, longitude.cosine, 0.0);
   const glm::dvec3 north(-latitude.sine * longitude.cosine, -latitude.sine * longitude.sine, latitude.cosine);
   const glm::dvec3 up(latitude.cosine * longitude.cosine, latitude.cosine * longitude.sine, latitude.sine);
-  // Of the normal, from the surface to the axis.
+  // The radius runs along the normal from the surface to the axis.
   const double radius = equator / std::sqrt(1.0 - squared_eccentricity * latitude.sine * latitude.sine);
   const glm::dvec3 place((radius + origin.height_m) * up.x, (radius + origin.height_m) * up.y,
                          (radius * (1.0 - squared_eccentricity) + origin.height_m) * up.z);

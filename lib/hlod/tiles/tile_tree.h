@@ -1,4 +1,4 @@
-// The tiles of a tileset: those of an HLOD's nodes, with the bounds that clients go by.
+// Makes the tiles of a tileset, one for each node of an HLOD, with their bounds, and writes them as JSON.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace occlod::tiles {
 
-// What a tile's geometricError is.
+// Names what a tile's geometricError is.
 enum class TileError {
   guaranteed,  // Node::guaranteed_error: no point of the tile is farther from the input
   quadric,     // Node::error: smaller, and not a bound; for comparisons
@@ -22,13 +22,13 @@ enum class TileError {
 
 struct Tile {
   double error = 0.0;        // geometricError: 0 at leaves, else more than any child's
-  TileBox box;               // of the content and of the children's boxes
-  TileBox content_box;       // empty: the tile has no content, since all has vanished
-  std::uint32_t extent = 1;  // tiles from here down in the same file, those that refer to others among them
-  bool is_external = false;  // its tileset is a file of its own
+  TileBox box;               // around the content and the children's boxes
+  TileBox content_box;       // empty: the tile has no content, since everything in it has vanished
+  std::uint32_t extent = 1;  // number of tiles from here down in the same file, references to other files included
+  bool is_external = false;  // its tileset is a separate file
 };
 
-// By node. Tiles are given their boxes first, then complete() is called once.
+// Holds a tile for each node. Give tiles their boxes first, then call complete() once.
 class TileTree {
  public:
   explicit TileTree(const hlod::Hlod& hlod) : hlod_(hlod), tiles_(hlod.node_count()) {}
@@ -37,11 +37,12 @@ class TileTree {
   [[nodiscard]] Tile& operator[](hlod::NodeId n) { return tiles_[n]; }
   [[nodiscard]] const Tile& operator[](hlod::NodeId n) const { return tiles_[n]; }
 
-  // Errors, boxes, files: a tile below which there are more than `tiles_per_file` gives away its largest subtrees.
+  // Computes errors and boxes, and divides tiles into files: a tile with more than `tiles_per_file` tiles below it
+  // moves its largest subtrees into files of their own.
   void complete(TileError error, std::uint32_t tiles_per_file);
-  // Of all tiles.
+  // Returns the box of all tiles.
   [[nodiscard]] const TileBox& box() const noexcept { return box_; }
-  // Of drawing nothing: the diagonal of the box, or a little more than the coarsest tile's.
+  // Returns the error of drawing nothing: the diagonal of the box, or a little more than the coarsest tile's error.
   [[nodiscard]] double error() const noexcept { return error_; }
 
  private:
@@ -54,22 +55,19 @@ class TileTree {
   double error_ = 0.0;
 };
 
-// Of node n, or no_id of a root.
+// Returns the parent of node n; no_id for a root.
 [[nodiscard]] hlod::NodeId parent_of(const hlod::Hlod& hlod, hlod::NodeId n);
 
-// tileset.json and the external tilesets.
-
-// Relative to the folder.
+// Returns the name of a tile's content, relative to the tileset's folder.
 [[nodiscard]] std::string content_name(hlod::NodeId n);
 
-// How many files it has written. `transform`: of the whole tileset. `tree` is complete.
+// Writes tileset.json and the external tilesets. Returns how many files it has written. `transform` applies to the
+// whole tileset. `tree` must be complete.
 std::uint64_t write_tileset_json(AtomicFolder& folder, const TileTree& tree,
                                  const std::optional<glm::dmat4>& transform);
 
-// Places on the WGS84 ellipsoid.
-
-// From metres to the east, north and up of a place to Earth-centred, Earth-fixed metres. At the poles east is where it
-// is along the meridian of the given longitude.
+// Returns the transform from metres to the east, north and up of a place on the WGS84 ellipsoid to Earth-centred,
+// Earth-fixed metres. At the poles, east is the limit along the meridian of the given longitude.
 [[nodiscard]] glm::dmat4 east_north_up(const GeodeticOrigin& origin);
 
 }  // namespace occlod::tiles

@@ -1,4 +1,4 @@
-// Which folders a tileset may replace.
+// Writes the tileset of an HLOD: images, contents and JSON files, in a folder that it may replace.
 
 #include <fmt/format.h>
 
@@ -29,18 +29,17 @@
 namespace occlod::tiles {
 namespace {
 
-constexpr double crease_deg = 60.0;  // of HLODs without normals
+constexpr double crease_deg = 60.0;  // for HLODs without normals
 
-// The images of a tileset's textures: files that its contents share.
-
-// Writes each image once, in the folder textures/. Those that are not there or neither PNG nor JPEG, which is all that
-// glTF knows, are left out and named in `left_out`. `image_folder`: what names of files are relative to. O(bytes).
+// Writes each image once, in the folder textures/, for all contents to share. Leaves out images that are missing or
+// neither PNG nor JPEG, the only formats of glTF, and names them in `left_out`. File names are relative to
+// `image_folder`. O(bytes).
 [[nodiscard]] TileLook write_images(AtomicFolder& folder, const hlod::HlodView& hlod,
                                     const std::filesystem::path& image_folder, std::vector<std::string>& left_out);
 
 namespace fs = std::filesystem;
 
-// Nothing when it cannot be read.
+// Returns nothing when the image cannot be read.
 std::optional<std::string> bytes_of(const Texture& texture, const fs::path& folder) {
   if (!texture.bytes.empty()) return std::string(texture.bytes.begin(), texture.bytes.end());
   std::error_code error;
@@ -52,7 +51,7 @@ std::optional<std::string> bytes_of(const Texture& texture, const fs::path& fold
   return bytes;
 }
 
-// Of what the first bytes say, whatever the file is called; empty for what glTF does not know.
+// Returns the extension that the first bytes imply, whatever the file's name; empty for formats that glTF lacks.
 std::string extension_of(const std::string& bytes) {
   Texture texture;
   texture.bytes.assign(bytes.begin(),
@@ -64,7 +63,7 @@ std::string extension_of(const std::string& bytes) {
 TileLook write_images(AtomicFolder& folder, const hlod::HlodView& hlod, const fs::path& image_folder,
                       std::vector<std::string>& left_out) {
   TileLook look{hlod.materials, hlod.textures, {}, hlod.texture_origin};
-  std::map<std::string, std::string> written;  // from the name of a file to its uri
+  std::map<std::string, std::string> written;  // from file names to URIs
   for (const Texture& texture : hlod.textures) {
     std::string& uri = look.images.emplace_back();
     const bool is_file = texture.bytes.empty();
@@ -93,7 +92,7 @@ namespace fs = std::filesystem;
   throw Error({folder.string(), "", std::move(problem), std::move(remedy)});
 }
 
-// Whether write_tileset() has made it.
+// Returns whether the folder was made by write_tileset().
 bool is_ours(const fs::path& tileset) {
   std::ifstream stream(tileset, std::ios::binary);
   const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
@@ -138,7 +137,7 @@ void check_tileset_output(const fs::path& folder, bool replace) {
 
 namespace {
 
-constexpr std::size_t max_levels = 100;  // files are nested as deeply
+constexpr std::size_t max_levels = 100;  // files may be nested as deeply
 
 void check(const TilesetOptions& options) {
   const OptionChecker checker("tileset options");
@@ -231,7 +230,7 @@ class TilesetWriter {
   TileLook look_;
   TileTree tree_;
   TilesetCounts counts_;
-  std::size_t steps_ = 0;  // in all, for progress
+  std::size_t steps_ = 0;  // total, for progress
   std::size_t done_ = 0;
 };
 
