@@ -7,7 +7,7 @@
 namespace occlod::viewer {
 
 // automatic: the effects that pay in each view, by AutoRefiner, with the software backend.
-enum class Occlusion { none, software, gl_query, gl_mark, gl_compute, automatic };
+enum class Occlusion { none, software, gl_query, automatic };
 
 enum class Shading { smooth, flat };
 
