@@ -376,6 +376,7 @@ frames_once() {
 }
 
 part_frames() {
+  local rounds=1  # of 160 and 240 frames
   by_threads "update" planet_near frames_once planet_near low_flight
   by_threads "update" city frames_once city walk
 }
