@@ -1,5 +1,5 @@
-// bench_gl_occlusion: what 5,000 questions cost each backend, about the triangles of a rough planet that is its own
-// occluder.
+// bench_gl_occlusion: measures what 5,000 questions cost software occlusion and gl-query, about the triangles of a
+// rough planet that is its own occluder.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -14,7 +14,6 @@
 
 #include "base/timing.h"
 #include "gl/backend_options.h"
-#include "gl/objects.h"
 #include "occlod/base.h"
 #include "occlod/gl.h"
 #include "occlod/visibility.h"
@@ -92,26 +91,7 @@ Contestant query(const std::shared_ptr<gl::Context>& context, std::size_t flight
           {}};
 }
 
-Contestant mark(const std::shared_ptr<gl::Context>& context, std::size_t flight, int divisor, bool counts = false) {
-  return {"gl-mark",
-          fmt::format("flight {}{}{}", flight, divisor == 1 ? "" : fmt::format(", divisor {}", divisor),
-                      counts ? ", counting" : ""),
-          gl::make_mark_occlusion(context, {flight, counts, divisor}),
-          {},
-          {},
-          {}};
-}
-
-Contestant compute(const std::shared_ptr<gl::Context>& context, std::size_t flight, bool counts = false) {
-  return {"gl-compute",
-          fmt::format("flight {}{}", flight, counts ? ", counting" : ""),
-          gl::make_compute_occlusion(context, {flight, counts}),
-          {},
-          {},
-          {}};
-}
-
-std::vector<Contestant> contestants(const std::shared_ptr<gl::Context>& context, std::size_t all) {
+std::vector<Contestant> contestants(const std::shared_ptr<gl::Context>& context) {
   std::vector<Contestant> list;
   list.push_back({"software", "", make_software_occlusion(), {}, {}, {}});
   for (const std::size_t window : {1U, 8U, 64U}) list.push_back(query(context, window, window, 1));
@@ -119,12 +99,6 @@ std::vector<Contestant> contestants(const std::shared_ptr<gl::Context>& context,
   for (const int divisor : {2, 4}) list.push_back(query(context, 64, 0, divisor));
   list.push_back(query(context, 64, 0, 1, gl::QueryTarget::any_conservative));
   list.push_back(query(context, 64, 0, 1, gl::QueryTarget::count));
-  for (const std::size_t flight : {std::size_t{64}, std::size_t{512}, all}) list.push_back(mark(context, flight, 1));
-  for (const int divisor : {2, 4}) list.push_back(mark(context, 512, divisor));
-  list.push_back(mark(context, 512, 1, true));
-  for (const std::size_t flight : {std::size_t{1}, std::size_t{64}, std::size_t{512}, all})
-    list.push_back(compute(context, flight));
-  list.push_back(compute(context, 512, true));
   return list;
 }
 
@@ -162,28 +136,11 @@ void measure(Contestant& contestant, const Scene& scene, bool keep) {
   }
 }
 
-// What it takes to get words back from an idle device.
-double read_back_ms(gl::Context& context, std::size_t words, int repeat) {
-  context.make_current();
-  const gl::Functions& gl = context.functions();
-  const gl::Buffer buffer(gl);
-  std::vector<std::uint32_t> answers(words);
-  std::vector<double> ms;
-  for (int i = 0; i < repeat; ++i) {
-    gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer.id());
-    gl::fill(gl, GL_SHADER_STORAGE_BUFFER, std::span<const std::uint32_t>(answers), GL_DYNAMIC_READ);
-    const tool::Stopwatch reading;
-    gl::read_back(gl, answers, "reading back");
-    ms.push_back(reading.milliseconds());
-  }
-  return median(ms);
-}
-
 void run(const Options& options) {
   const std::shared_ptr<gl::Context> context =
       gl::create_context(options.platform == "egl" ? gl::Platform::egl : gl::Platform::osmesa);
   const Scene scene = make_scene(options);
-  std::vector<Contestant> list = contestants(context, static_cast<std::size_t>(options.questions));
+  std::vector<Contestant> list = contestants(context);
   // Rounds in which each has its turn, so that a change of the machine's pace meets all.
   for (int round = 0; round <= options.repeat; ++round)
     for (Contestant& contestant : list) measure(contestant, scene, round > 0);
@@ -199,8 +156,6 @@ void run(const Options& options) {
     for (const int hidden : contestant.hidden) fmt::print(" {:.1f} |", 100.0 * hidden / options.questions);
     fmt::print("\n");
   }
-  fmt::print("\nReading back {} answers: {:.1f} us\n", options.questions,
-             1e3 * read_back_ms(*context, static_cast<std::size_t>(options.questions), 101));
 }
 
 int run(int argc, char** argv) {

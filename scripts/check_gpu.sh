@@ -8,13 +8,13 @@
 #                                   to OUT. Needs libEGL (libglvnd) and the driver. A part that gets a renderer on the
 #                                   processor instead of a GPU fails; with --any-renderer it goes on, to try the script.
 # Parts: device, occlusion, refinement, costs, strategies (on the GPU); software (device and occlusion by llvmpipe);
-# build, hlod, cells, scratch (by number of threads); tests (of the OpenGL backends, on the GPU).
+# build, hlod, cells, scratch, frames (by number of threads); tests (of lib/gl, on the GPU).
 set -euo pipefail
 
-parts=(device occlusion refinement costs strategies software build hlod cells scratch tests)
+parts=(device occlusion refinement costs strategies software build hlod cells scratch frames tests)
 # Seconds: together less than eight minutes.
-declare -A limits=([device]=35 [occlusion]=30 [refinement]=35 [costs]=10 [strategies]=35 [software]=75
-                   [build]=45 [hlod]=45 [cells]=50 [scratch]=20 [tests]=45)
+declare -A limits=([device]=35 [occlusion]=30 [refinement]=25 [costs]=10 [strategies]=60 [software]=65
+                   [build]=45 [hlod]=45 [cells]=50 [scratch]=20 [frames]=45 [tests]=45)
 programs=(tools/occlod bench/bench_gl_device bench/bench_gl_occlusion bench/bench_scratch
           bench/papers/bench_hlod_compare tests/gl/test_gl tests/gl/test_gl_device)
 max_pack_mib=60
@@ -70,7 +70,7 @@ pack_software_driver() {
 
 copy_inputs() {
   mkdir -p "$1/scenes" "$1/meshes"
-  cp meshes/scenes/{city,planet_near,planet_full}.json bench/scenes/cells_street.json "$1/scenes"
+  cp meshes/scenes/{city,planet_near,planet_full}.json bench/scenes/{cells_street,plant_rooms}.json "$1/scenes"
   scripts/get_demo_meshes.sh >&2 && cp "${XDG_DATA_HOME:-$HOME/.local/share}/occlod/meshes/armadillo.off" "$1/meshes" ||
     say "no mesh of a scan here: only generated ones are measured"
 }
@@ -201,7 +201,6 @@ bench_occlusion() {
     say "NO GPU: bench_gl_occlusion got '$renderer'"
     return 1
   fi
-  echo "$renderer: $(grep '^Reading back' "$work/occlusion.txt")" >>"$out/machine.txt"
   begin_table gpu_occlusion renderer,backend,settings,occluder_ms,box_ms,sphere_ms,cylinder_ms,box_hidden_pct,sphere_hidden_pct,cylinder_hidden_pct
   awk -F' *\\| *' -v renderer="$renderer" '
     /^\|/ && $2 != "backend" && $2 !~ /^-/ { printf "\"%s\",%s,\"%s\",%s,%s,%s,%s,%s,%s,%s\n", renderer, $2, $3, $4, $5, $6, $7, $8, $9, $10 }' \
@@ -218,7 +217,7 @@ part_refinement() {
   renderer=$(require_renderer)
   begin_table gpu_refinement renderer,scene,backend,visible,queries,occlusion_ms,refine_ms,hash
   for scene in planet_full planet_near city; do
-    for backend in software gl-query gl-mark gl-compute; do
+    for backend in software gl-query; do
       json=$(occlod render "$pack/scenes/$scene.json" --occlusion "$backend" --repeat 7 --json)
       echo "\"$renderer\",$scene,$backend,$(value visible_triangles <<<"$json"),$(value queries <<<"$json"),$(value occlusion_ms <<<"$json" | rounded),$(value refine_ms <<<"$json" | rounded),$(value hash <<<"$json")" >>"$out/gpu_refinement.csv"
     done
@@ -300,6 +299,7 @@ part_strategies() {
   build_nodes city && compare_strategies "$renderer" city walk 1
   build_nodes planet_near && compare_strategies "$renderer" planet_near low_flight 1
   compare_strategies "$renderer" city walk 0
+  build_nodes plant_rooms && compare_strategies "$renderer" plant_rooms run 1
 }
 
 # llvmpipe, drawing on the calling thread and on several.
@@ -365,6 +365,20 @@ part_scratch() {
         printf "refine %s,%s,%s,%s,%s,%s\n", way, $2, threads, $11, $9, $13 }' "$work/scratch.txt" >>"$out/threads.csv"
   done <<<"planet_near low_flight
 city walk"
+}
+
+# Refiner::update(): the mean of all frames but the first, which is from scratch; the hash is of all frames.
+frames_once() {
+  occlod render "$pack/scenes/$1.json" --path "$2" --frame-to-frame --threads "$3" --json >"$work/frames.json"
+  awk '$1 == "\"refine_ms\":" || $1 == "\"occlusion_ms\":" { if (frame > 0) sum += $2 } $1 == "\"hash\":" { ++frame }
+       END { printf "%.4f ", sum / (frame - 1) }' "$work/frames.json"
+  grep '"hash":' "$work/frames.json" | hash_of
+}
+
+part_frames() {
+  local rounds=1  # of 160 and 240 frames
+  by_threads "update" planet_near frames_once planet_near low_flight
+  by_threads "update" city frames_once city walk
 }
 
 # Counts in machine.txt, what failed in log.txt.

@@ -5,7 +5,7 @@
 #include "occlod/base.h"
 #include "occlod/visibility.h"
 #ifdef OCCLOD_HAS_GL
-#include "gl/backend_options.h"
+#include "occlod/gl.h"
 #endif
 
 namespace occlod::tool {
@@ -17,15 +17,9 @@ std::shared_ptr<gl::Context> create_context(const std::string& platform) {
   return gl::create_context(platform == "egl" ? gl::Platform::egl : gl::Platform::osmesa);
 }
 
-std::unique_ptr<Visibility> make_gl(const BackendOptions& options, std::shared_ptr<gl::Context> context) {
-  if (options.occlusion == "gl-compute") return gl::make_compute_occlusion(std::move(context));
-  if (options.occlusion == "gl-mark") return gl::make_mark_occlusion(std::move(context));
-  return gl::make_query_occlusion(std::move(context));
-}
-
 Backend make_gl_backend(const BackendOptions& options) {
   const std::shared_ptr<gl::Context> context = create_context(options.gl_platform);
-  std::unique_ptr<Visibility> visibility = make_gl(options, context);
+  std::unique_ptr<Visibility> visibility = gl::make_query_occlusion(context);
   Json about = {{"platform", context->platform_name()},
                 {"renderer", context->renderer()},
                 {"version", context->version()},

@@ -10,7 +10,7 @@
 namespace occlod::tool {
 
 struct BackendOptions {
-  std::string occlusion = "software";  // none, software, gl-query, gl-mark, gl-compute; not auto
+  std::string occlusion = "software";  // none, software, gl-query; not auto
   std::string gl_platform;             // egl, osmesa; empty: what the machine offers
 };
 

@@ -44,12 +44,7 @@ void add_occlusion_options(CLI::App& command, RenderOptions& options) {
   command.option_defaults()->group("Occlusion");
   add_choice<std::string>(
       command, "--occlusion", options.backend.occlusion,
-      {{"auto", "auto"},
-       {"none", "none"},
-       {"software", "software"},
-       {"gl-query", "gl-query"},
-       {"gl-mark", "gl-mark"},
-       {"gl-compute", "gl-compute"}},
+      {{"auto", "auto"}, {"none", "none"}, {"software", "software"}, {"gl-query", "gl-query"}},
       "What answers occlusion queries; auto: in each view whatever pays. If not given: software; auto with --path but "
       "without --frame-to-frame, and with --explain or a calibration");
   add_choice(command, "--mode", refine.mode,
@@ -60,7 +55,7 @@ void add_occlusion_options(CLI::App& command, RenderOptions& options) {
 }
 
 void add_gl_options(CLI::App& command, BackendOptions& backend) {
-  command.option_defaults()->group("Occlusion by OpenGL (--occlusion gl-...)");
+  command.option_defaults()->group("Occlusion by OpenGL (--occlusion gl-query)");
   add_choice<std::string>(command, "--gl-platform", backend.gl_platform, {{"egl", "egl"}, {"osmesa", "osmesa"}},
                           "How to create the OpenGL context; whatever the machine offers if not given");
 }

@@ -1,4 +1,4 @@
-// How the backends by OpenGL ask and how the device `gl` draws, for benchmarks and tests: the defaults serve everyone
+// How the backend `gl-query` asks and how the device `gl` draws, for benchmarks and tests: the defaults serve everyone
 // else.
 #pragma once
 
@@ -29,28 +29,11 @@ struct QueryOcclusionOptions {
   int divisor = 1;
 };
 
-// How the backend `gl-mark` asks.
-struct MarkOcclusionOptions {
-  std::size_t flight = 64;    // queries that refinement keeps under way, >= 1: answered together
-  bool count_pixels = false;  // answer with a number of pixels instead of 0 or 1
-  int divisor = 1;            // one sample for divisor x divisor pixels, >= 1; see QueryOcclusionOptions
-};
-
-// How the backend `gl-compute` asks.
-struct ComputeOcclusionOptions {
-  std::size_t flight = 64;    // queries that refinement keeps under way, >= 1: answered together
-  bool count_pixels = false;  // answer with the number of visible pixels of the bound's screen rectangle
-};
-
 // As without options. Throw Error also for a flight of 0, a divisor below 1, or a target that the context is too old
-// for. A count is at most the pixels of the proxy's or the bound's screen rectangle, and all pixels of the image where
-// nothing is known.
+// for. A count is at most the pixels of the proxy's screen rectangle, and all pixels of the image where nothing is
+// known.
 [[nodiscard]] std::unique_ptr<Visibility> make_query_occlusion(std::shared_ptr<Context> context,
                                                                const QueryOcclusionOptions& options);
-[[nodiscard]] std::unique_ptr<Visibility> make_mark_occlusion(std::shared_ptr<Context> context,
-                                                              const MarkOcclusionOptions& options);
-[[nodiscard]] std::unique_ptr<Visibility> make_compute_occlusion(std::shared_ptr<Context> context,
-                                                                 const ComputeOcclusionOptions& options);
 
 // By which calls the device `gl` gives OpenGL what it draws.
 struct HlodDeviceCalls {

@@ -115,12 +115,6 @@ Functions load_functions(GetProc get_proc, const std::string& subject) {
   return gl;
 }
 
-void require_version(const Functions& gl, int version, const char* user) {
-  if (gl.version >= version) return;
-  throw Error({user, "", "needs OpenGL " + dotted(version) + ", and this context offers " + dotted(gl.version),
-               "use a newer driver, gl-query with its default target (OpenGL 3.3), or the software backend"});
-}
-
 ContextLost::ContextLost(const char* where, GLenum reset)
     : Error({"OpenGL", where, reset_reason(reset), "run again, or use the software backend"}) {}
 

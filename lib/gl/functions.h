@@ -22,7 +22,6 @@ namespace occlod::gl {
   X(BINDRENDERBUFFER, BindRenderbuffer)                             \
   X(BINDTEXTURE, BindTexture)                                       \
   X(BINDVERTEXARRAY, BindVertexArray)                               \
-  X(BLENDEQUATION, BlendEquation)                                   \
   X(BLENDFUNC, BlendFunc)                                           \
   X(BLITFRAMEBUFFER, BlitFramebuffer)                               \
   X(BUFFERDATA, BufferData)                                         \
@@ -99,10 +98,7 @@ namespace occlod::gl {
   X(TEXSUBIMAGE3D, TexSubImage3D)                                   \
   X(UNIFORM1F, Uniform1f)                                           \
   X(UNIFORM1I, Uniform1i)                                           \
-  X(UNIFORM1UI, Uniform1ui)                                         \
-  X(UNIFORM2IV, Uniform2iv)                                         \
   X(UNIFORM3FV, Uniform3fv)                                         \
-  X(UNIFORM3I, Uniform3i)                                           \
   X(UNIFORMMATRIX3FV, UniformMatrix3fv)                             \
   X(UNIFORMMATRIX4FV, UniformMatrix4fv)                             \
   X(USEPROGRAM, UseProgram)                                         \
@@ -112,11 +108,10 @@ namespace occlod::gl {
   X(VERTEXATTRIBPOINTER, VertexAttribPointer)                       \
   X(VIEWPORT, Viewport)
 
-// Functions of OpenGL 4.2 and 4.3, null where the driver does not have them. Callers call require_version(43) first.
-// The exception is MultiDrawElementsIndirect: it is also available in older contexts that have ARB_multi_draw_indirect
-// and ARB_base_instance, so that each draw has its base instance, and null in all others.
+// Functions of OpenGL 4.2 and 4.3, null where the driver does not have them. Callers look at `version` first. The
+// exception is MultiDrawElementsIndirect: it is also available in older contexts that have ARB_multi_draw_indirect and
+// ARB_base_instance, so that each draw has its base instance, and null in all others.
 #define OCCLOD_GL_NEWER_FUNCTIONS(X)                                      \
-  X(DISPATCHCOMPUTE, DispatchCompute)                                     \
   X(DRAWELEMENTSINSTANCEDBASEINSTANCE, DrawElementsInstancedBaseInstance) \
   X(MEMORYBARRIER, MemoryBarrier)                                         \
   X(MULTIDRAWELEMENTSINDIRECT, MultiDrawElementsIndirect)
@@ -141,9 +136,6 @@ using GetProc = Proc (*)(const char* name);
 // Loads the functions of the current context. `subject` names the context in errors. Throws Error that names a missing
 // function, or when the context is older than 3.3.
 [[nodiscard]] Functions load_functions(GetProc get_proc, const std::string& subject);
-
-// Throws Error that names `user` and what to use instead when the context is older than `version` (43 = 4.3).
-void require_version(const Functions& gl, int version, const char* user);
 
 // Thrown when the context is lost with everything in it, because the GPU or its driver was reset. Calls no longer have
 // an effect and may return anything; objects may still be deleted, and another context may be created.

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "gl/backend.h"
 #include "gl/backend_options.h"
 #include "gl/context.h"
 #include "gl/hlod_stage.h"
@@ -141,7 +140,7 @@ struct Resources {
   std::vector<Count> counts;
   std::vector<std::uint32_t> answers;  // as many as counts
   std::vector<BoxProxy> proxies;       // of one count
-  MarkedProxies marked;                // of one batch
+  std::vector<MarkedBox> marked;       // of one batch
   std::vector<std::uint32_t> words;    // likewise
   std::vector<Buffer> idle_words;
 };
@@ -184,7 +183,10 @@ void take_marks(Resources& resources, Batch& batch) {
   const Functions& gl = resources.stage.gl();
   resources.words.resize(batch.count);
   gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, marks.words.id());
-  read_back(gl, resources.words, marks.written, "counting boxes");
+  marks.written.wait("counting boxes");
+  gl.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(batch.count * sizeof(std::uint32_t)),
+                      resources.words.data());
+  check(gl, "counting boxes");
   for (std::size_t i = 0; i < batch.count; ++i)
     if (const Count& count = resources.counts[batch.first + i]; count.most > 0)
       resources.answers[batch.first + i] = std::min(resources.words[i], count.most);
@@ -272,7 +274,7 @@ void add_count(Resources& resources, std::span<const hlod::BoxRef> boxes) {
 // Asks for a count of each box.
 hlod::QueryId add_marks(Resources& resources, std::span<const hlod::BoxRef> boxes) {
   HlodStage& stage = resources.stage;
-  std::vector<MarkedProxy>& marked = resources.marked[static_cast<std::size_t>(ProxyShape::box)];
+  std::vector<MarkedBox>& marked = resources.marked;
   marked.clear();
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const BoxProxy proxy = stage.project(boxes[i]);
@@ -291,7 +293,7 @@ hlod::QueryId add_marks(Resources& resources, std::span<const hlod::BoxRef> boxe
   resources.words.assign(boxes.size(), 0);
   gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, words.id());
   fill(gl, GL_SHADER_STORAGE_BUFFER, std::span<const std::uint32_t>(resources.words), GL_DYNAMIC_READ);
-  stage.mark_proxies(resources.marked, words);
+  stage.mark_boxes(marked, words);
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   resources.batches.back().marks.emplace(Marks{std::move(words), Fence(gl)});
   return query;
@@ -341,7 +343,7 @@ hlod::FrameTimes GlHlodDevice::end_frame() {
   resources.stage.submit();
   resources.timer.stop();
   const Clock::time_point given = Clock::now();
-  finish(resources.stage.gl(), "end of a frame");
+  Fence(resources.stage.gl()).wait("end of a frame");
   const Clock::time_point end = Clock::now();
   const FrameTimer::Times gpu = resources.timer.read();
   return {milliseconds(end - begin_), milliseconds(given - begin_), gpu.busy_ms, milliseconds(stall_), gpu.idle_ms};

@@ -7,7 +7,6 @@
 #include <glm/common.hpp>
 #include <string>
 
-#include "gl/programs.h"
 #include "occlod/base.h"
 #include "scene/color.h"
 
@@ -149,6 +148,63 @@ DepthBuffer HlodTarget::read_depth() const {
 
 namespace {
 
+// Computes positions bit for bit like PlainProgram.
+constexpr const char* mark_vertex = R"(#version 430 core
+layout(location = 0) in vec4 position;
+layout(location = 1) in mat4 to_clip;
+layout(location = 5) in uint word;
+flat out uint marked;
+invariant gl_Position;
+void main() {
+  gl_Position = to_clip * position;
+  marked = word;
+}
+)";
+
+// Front faces of a convex proxy cover each pixel once, so the sum of additions is the number of pixels.
+constexpr const char* mark_fragment = R"(#version 430 core
+layout(early_fragment_tests) in;
+layout(std430, binding = 0) buffer Marks { uint marks[]; };
+flat in uint marked;
+void main() { atomicAdd(marks[marked], 1u); }
+)";
+
+}  // namespace
+
+BoxMarks::BoxMarks(const Functions& gl)
+    : gl_(&gl),
+      program_(gl, {{GL_VERTEX_SHADER, mark_vertex}, {GL_FRAGMENT_SHADER, mark_fragment}}),
+      proxies_(gl),
+      instances_(gl) {
+  proxies_.bind(gl);
+  gl.BindBuffer(GL_ARRAY_BUFFER, instances_.id());
+  const auto attribute = [](std::size_t offset) {
+    return reinterpret_cast<const void*>(offset);  // NOLINT(performance-no-int-to-ptr)
+  };
+  for (GLuint column = 0; column < 4; ++column) {
+    gl.EnableVertexAttribArray(1 + column);
+    gl.VertexAttribPointer(1 + column, 4, GL_FLOAT, GL_FALSE, sizeof(MarkedBox), attribute(column * sizeof(glm::vec4)));
+    gl.VertexAttribDivisor(1 + column, 1);
+  }
+  gl.EnableVertexAttribArray(5);
+  gl.VertexAttribIPointer(5, 1, GL_UNSIGNED_INT, sizeof(MarkedBox), attribute(offsetof(MarkedBox, word)));
+  gl.VertexAttribDivisor(5, 1);
+  check(gl, "set-up of marks");
+}
+
+void BoxMarks::draw(std::span<const MarkedBox> boxes, const Buffer& words) const {
+  gl_->BindBuffer(GL_ARRAY_BUFFER, instances_.id());
+  fill(*gl_, GL_ARRAY_BUFFER, boxes, GL_STREAM_DRAW);
+  gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, words.id());
+  gl_->UseProgram(program_.id());
+  proxies_.bind(*gl_);
+  const ProxyBuffer::Part& part = proxies_.part(ProxyShape::box);
+  gl_->DrawElementsInstancedBaseInstance(GL_TRIANGLES, part.count, GL_UNSIGNED_SHORT, part.pointer(),
+                                         static_cast<GLsizei>(boxes.size()), 0);
+}
+
+namespace {
+
 constexpr int quality_samples = 4;
 
 }  // namespace
@@ -161,7 +217,7 @@ HlodStage::HlodStage(const Functions& gl, const HlodDeviceOptions& options, cons
       plain_(gl),
       proxies_(gl) {
   if (calls.indirect && gl.MultiDrawElementsIndirect != nullptr) gathered_.emplace(gl);
-  if (calls.marks && !options.quality && gl.version >= 43) marks_.emplace(gl, Marking::pixels);
+  if (calls.marks && !options.quality && gl.version >= 43) marks_.emplace(gl);
   check(gl, "set-up of the device");
 }
 
@@ -319,12 +375,12 @@ void HlodStage::draw_proxy(const BoxProxy& proxy) {
   ++calls_.box_calls;
 }
 
-void HlodStage::mark_proxies(const MarkedProxies& proxies, const Buffer& words) {
+void HlodStage::mark_boxes(std::span<const MarkedBox> boxes, const Buffer& words) {
   submit();
   set_proxy_state();
   mode_ = Mode::marks;
-  marks_->draw(proxies, words);
-  calls_.boxes += proxies[static_cast<std::size_t>(ProxyShape::box)].size();
+  marks_->draw(boxes, words);
+  calls_.boxes += boxes.size();
   ++calls_.box_calls;
 }
 

@@ -12,7 +12,6 @@
 #include "gl/objects.h"
 #include "gl/programs.h"
 #include "gl/proxies.h"
-#include "gl/proxy_stage.h"
 #include "hlod/draw/box_proxy.h"
 #include "occlod/device.h"
 #include "occlod/gl.h"
@@ -55,6 +54,29 @@ class HlodTarget {
   int height_ = 0;
 };
 
+// What the shaders read of a box that counts its pixels.
+struct MarkedBox {
+  glm::mat4 unit_to_clip{1.0F};  // front faces are counter-clockwise
+  std::uint32_t word = 0;        // index into the storage buffer
+};
+static_assert(sizeof(MarkedBox) == 68);
+
+// Draws many boxes by one call. Each adds the number of its pixels that pass the depth test to a word of a storage
+// buffer, in an image with one sample per pixel. Lives in a context of OpenGL 4.3 that must be current in every call.
+class BoxMarks {
+ public:
+  explicit BoxMarks(const Functions& gl);
+  // Draws into a buffer that has room for all words. Requires the state of set_proxy_state(). Readers of the words need
+  // a barrier first.
+  void draw(std::span<const MarkedBox> boxes, const Buffer& words) const;
+
+ private:
+  const Functions* gl_;
+  Program program_;
+  ProxyBuffer proxies_;
+  Buffer instances_;
+};
+
 // Draws nodes of HLODs and box proxies alternately into one image: the part of the `gl` device that needs no queries.
 
 // Lives in a context that must be current in every call. begin_frame() and later calls set all state that draws depend
@@ -77,12 +99,12 @@ class HlodStage {
   // Prepares for proxies; call it after draw() and before draw_proxy(). Submits.
   void start_proxies();
   void draw_proxy(const BoxProxy& proxy);
-  // Returns whether mark_proxies() may be called.
+  // Returns whether mark_boxes() may be called.
   [[nodiscard]] bool can_mark() const noexcept { return marks_.has_value(); }
   // Returns, for a proxy that is drawn, the transform from the unit cube to clip space.
   [[nodiscard]] static glm::mat4 unit_to_clip(const BoxProxy& proxy);
-  // Draws all proxies by one call; each adds the number of its pixels that pass the depth test to its word. Submits.
-  void mark_proxies(const MarkedProxies& proxies, const Buffer& words);
+  // Draws all boxes by one call; each adds the number of its pixels that pass the depth test to its word. Submits.
+  void mark_boxes(std::span<const MarkedBox> boxes, const Buffer& words);
 
   // Returns the number of pixels of the image.
   [[nodiscard]] std::uint32_t pixels() const;
@@ -116,7 +138,7 @@ class HlodStage {
   PlainProgram plain_;
   ProxyBuffer proxies_;
   std::optional<GatheredDraws> gathered_;  // if one call can draw many nodes
-  std::optional<ProxyMarks> marks_;        // if one call can draw many boxes
+  std::optional<BoxMarks> marks_;          // if one call can draw many boxes
 
   Screen screen_;
   std::vector<Object> objects_;

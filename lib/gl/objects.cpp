@@ -1,8 +1,10 @@
 #include "gl/objects.h"
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "occlod/base.h"
@@ -20,9 +22,7 @@ constexpr std::uint64_t longest_wait_ns = 10'000'000'000;
       {"OpenGL", stage, log.empty() ? "does not compile" : log, "try another driver, or use the software backend"});
 }
 
-const char* stage_name(GLenum kind) {
-  return kind == GL_VERTEX_SHADER ? "vertex shader" : kind == GL_FRAGMENT_SHADER ? "fragment shader" : "compute shader";
-}
+const char* stage_name(GLenum kind) { return kind == GL_VERTEX_SHADER ? "vertex shader" : "fragment shader"; }
 
 // The shader only has to live until the program is linked.
 class Shader {
@@ -74,42 +74,6 @@ Program::Program(const Functions& gl, std::initializer_list<ShaderSource> source
   refuse_shader(gl, "program", log);
 }
 
-FloatTarget::FloatTarget(const Functions& gl, Kind kind) : gl_(&gl), kind_(kind), framebuffer_(gl), texture_(gl) {}
-
-void FloatTarget::bind(int width, int height) {
-  gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
-  if (width == width_ && height == height_) return;
-  GLint largest = 0;
-  gl_->GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
-  check(*gl_, "occlusion target");
-  if (width > largest || height > largest)
-    throw Error({"OpenGL", "occlusion target", "the driver holds at most " + std::to_string(largest) + " pixels a side",
-                 "use a smaller image, or the software backend"});
-  width_ = width;
-  height_ = height;
-  allocate();
-}
-
-void FloatTarget::allocate() const {
-  const bool depth = kind_ == Kind::depth;
-  gl_->BindTexture(GL_TEXTURE_2D, texture_.id());
-  gl_->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-  gl_->TexImage2D(GL_TEXTURE_2D, 0, depth ? GL_DEPTH_COMPONENT32F : GL_R32F, width_, height_, 0,
-                  depth ? GL_DEPTH_COMPONENT : GL_RED, GL_FLOAT, nullptr);
-  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-  gl_->FramebufferTexture2D(GL_FRAMEBUFFER, depth ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D,
-                            texture_.id(), 0);
-  gl_->DrawBuffer(depth ? GL_NONE : GL_COLOR_ATTACHMENT0);
-  gl_->ReadBuffer(depth ? GL_NONE : GL_COLOR_ATTACHMENT0);
-  const GLenum status = gl_->CheckFramebufferStatus(GL_FRAMEBUFFER);
-  check(*gl_, "occlusion target");
-  if (status != GL_FRAMEBUFFER_COMPLETE)
-    throw Error({"OpenGL", "occlusion target", "the driver refuses a framebuffer with one image of floats",
-                 "try another driver, or use the software backend"});
-}
-
 // A fence of a lost context counts as over, and wait() reports the loss.
 bool Fence::is_over() const { return gl_->ClientWaitSync(sync_, GL_SYNC_FLUSH_COMMANDS_BIT, 0) != GL_TIMEOUT_EXPIRED; }
 
@@ -120,17 +84,50 @@ void Fence::wait(const char* work) const {
     throw Error({"OpenGL", work, "the driver gave no answer", "use another driver, or the software backend"});
 }
 
-void finish(const Functions& gl, const char* work) { Fence(gl).wait(work); }
+namespace {
 
-void read_back(const Functions& gl, std::span<std::uint32_t> words, const char* work) {
-  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  read_back(gl, words, Fence(gl), work);
+using Clock = std::chrono::steady_clock;
+
+// Polls between two checks for a lost context; this many take a millisecond. A lost context should answer at once, but
+// some drivers do not.
+constexpr int looks_for_each_check = 1024;
+
+void wait_for(const Functions& gl, const Query& query) {
+  if (QueryPool::is_available(gl, query)) return;
+  gl.Flush();
+  const auto deadline = Clock::now() + std::chrono::nanoseconds(longest_wait_ns);
+  for (int looks = 1;; ++looks) {
+    if (QueryPool::is_available(gl, query)) return;
+    if (Clock::now() > deadline)
+      throw Error(
+          {"OpenGL", "occlusion query", "the driver gave no answer", "use another driver, or the software backend"});
+    if (looks % looks_for_each_check == 0) check(gl, "occlusion query");
+    std::this_thread::yield();
+  }
 }
 
-void read_back(const Functions& gl, std::span<std::uint32_t> words, const Fence& written, const char* work) {
-  written.wait(work);
-  gl.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(words.size_bytes()), words.data());
-  check(gl, work);
+}  // namespace
+
+Query QueryPool::begin(const Functions& gl) {
+  if (idle_.empty()) idle_.emplace_back(gl);
+  Query query = std::move(idle_.back());
+  idle_.pop_back();
+  gl.BeginQuery(target_, query.id());
+  return query;
+}
+
+bool QueryPool::is_available(const Functions& gl, const Query& query) {
+  GLuint available = GL_FALSE;
+  gl.GetQueryObjectuiv(query.id(), GL_QUERY_RESULT_AVAILABLE, &available);
+  return available == GL_TRUE;
+}
+
+std::uint32_t QueryPool::take(const Functions& gl, Query query) {
+  wait_for(gl, query);
+  GLuint passed = 0;
+  gl.GetQueryObjectuiv(query.id(), GL_QUERY_RESULT, &passed);
+  idle_.push_back(std::move(query));
+  return passed;
 }
 
 }  // namespace occlod::gl

@@ -3,10 +3,14 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <memory>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "gl/functions.h"
+#include "occlod/base.h"
+#include "occlod/gl.h"
 
 namespace occlod::gl {
 
@@ -62,27 +66,6 @@ class Program {
   GLuint id_ = 0;
 };
 
-// A framebuffer with one image of 32-bit floats that shaders can read: a depth buffer or one colour channel.
-class FloatTarget {
- public:
-  enum class Kind { depth, red };
-  FloatTarget(const Functions& gl, Kind kind);
-  // Binds the framebuffer, with storage of this size in pixels. Throws Error for sizes that the driver does not
-  // support.
-  void bind(int width, int height);
-  [[nodiscard]] GLuint texture() const noexcept { return texture_.id(); }
-
- private:
-  void allocate() const;
-
-  const Functions* gl_;
-  Kind kind_;
-  Framebuffer framebuffer_;
-  Texture texture_;
-  int width_ = 0;
-  int height_ = 0;
-};
-
 // Marks the point in the command stream at which it is made.
 class Fence {
  public:
@@ -115,14 +98,61 @@ void fill(const Functions& gl, GLenum target, std::span<const T> data, GLenum us
   gl.BufferData(target, static_cast<GLsizeiptr>(data.size_bytes()), data.data(), usage);
 }
 
-// Waits until all commands so far are done. Throws Error that names `work` when they fail or are not done after 10 s.
-void finish(const Functions& gl, const char* work);
+// Holds idle query objects of one target, because an object keeps the target of its first use. The context must be
+// current in every call.
+class QueryPool {
+ public:
+  explicit QueryPool(GLenum target) : target_(target) {}
 
-// Reads what shaders have written to the start of the buffer bound to GL_SHADER_STORAGE_BUFFER. Waits until `work` is
-// done; throws Error that names it when it fails or is not done after 10 s.
-void read_back(const Functions& gl, std::span<std::uint32_t> words, const char* work);
-// Reads back like the overload above, but waits only for `written`: a fence after the work and after a barrier for
-// buffer updates.
-void read_back(const Functions& gl, std::span<std::uint32_t> words, const Fence& written, const char* work);
+  // Begins a query that counts what is drawn between begin() and end().
+  [[nodiscard]] Query begin(const Functions& gl);
+  void end(const Functions& gl) const { gl.EndQuery(target_); }
+  // Returns whether the answer is available. Never waits, if the driver follows the specification.
+  [[nodiscard]] static bool is_available(const Functions& gl, const Query& query);
+  // Waits for the answer and recycles the object. Throws Error when there is none after 10 s, and ContextLost when the
+  // context is lost meanwhile.
+  [[nodiscard]] std::uint32_t take(const Functions& gl, Query query);
+  // Recycles a query whose answer is no longer wanted.
+  void drop(Query query) { idle_.push_back(std::move(query)); }
+
+ private:
+  GLenum target_;
+  std::vector<Query> idle_;
+};
+
+// Makes a T from (functions, arguments...) while the context is current, and destroys it while the context is current.
+template <class T>
+class InContext {
+ public:
+  template <class... Arguments>
+  explicit InContext(std::shared_ptr<Context> context, Arguments&&... arguments) : context_(std::move(context)) {
+    context_->make_current();
+    value_ = std::make_unique<T>(context_->functions(), std::forward<Arguments>(arguments)...);
+  }
+  InContext(const InContext&) = delete;
+  InContext(InContext&&) = delete;
+  InContext& operator=(const InContext&) = delete;
+  InContext& operator=(InContext&&) = delete;
+  ~InContext() {
+    try {
+      context_->make_current();
+    } catch (const Error&) {
+      // Deleting now would affect the objects of another context. Ours are freed with their context.
+      static_cast<void>(value_.release());
+    }
+  }
+
+  // Makes the context current and returns the value.
+  [[nodiscard]] T& use() const {
+    context_->make_current();
+    return *value_;
+  }
+  // Returns the value without making the context current, for members that do not need it.
+  [[nodiscard]] const T& look() const noexcept { return *value_; }
+
+ private:
+  std::shared_ptr<Context> context_;
+  std::unique_ptr<T> value_;
+};
 
 }  // namespace occlod::gl

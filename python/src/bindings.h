@@ -58,7 +58,7 @@ struct PythonDrawObject {
 // range. O(n).
 void require_valid(const TriangleMesh& mesh);
 
-// A backend by its name: "software", "none", "gl-query", "gl-mark" or "gl-compute".
+// A backend by its name: "software", "none" or "gl-query".
 [[nodiscard]] std::unique_ptr<Visibility> make_visibility(const std::string& name);
 
 }  // namespace occlod::python

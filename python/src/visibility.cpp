@@ -19,10 +19,8 @@ using namespace nb::literals;
 #ifdef OCCLOD_HAS_GL
 constexpr bool has_gl = true;
 
-std::unique_ptr<Visibility> make_gl(const std::string& name) {
-  if (name == "gl-query") return gl::make_query_occlusion(gl::create_any_context());
-  if (name == "gl-mark") return gl::make_mark_occlusion(gl::create_any_context());
-  return gl::make_compute_occlusion(gl::create_any_context());
+std::unique_ptr<Visibility> make_gl(const std::string& /*name*/) {
+  return gl::make_query_occlusion(gl::create_any_context());
 }
 #else
 constexpr bool has_gl = false;
@@ -35,7 +33,7 @@ std::unique_ptr<Visibility> make_gl(const std::string& name) {
 
 std::vector<std::string> visibility_names() {
   std::vector<std::string> names = {"software", "none"};
-  if (has_gl) names.insert(names.end(), {"gl-query", "gl-mark", "gl-compute"});
+  if (has_gl) names.emplace_back("gl-query");
   return names;
 }
 
@@ -44,7 +42,7 @@ std::vector<std::string> visibility_names() {
 std::unique_ptr<Visibility> make_visibility(const std::string& name) {
   if (name == "software") return make_software_occlusion();
   if (name == "none") return std::make_unique<NoOcclusion>();
-  if (name == "gl-query" || name == "gl-mark" || name == "gl-compute") return make_gl(name);
+  if (name == "gl-query") return make_gl(name);
   throw Error({"visibility", name, "is no backend", "use one of visibility_names()"});
 }
 
@@ -60,8 +58,7 @@ void bind_visibility(nb::module_& m) {
              return made;
            }),
            "name"_a = "software",
-           "\"software\"; \"none\"; and, where visibility_names() has them, \"gl-query\", \"gl-mark\" and "
-           "\"gl-compute\".\n"
+           "\"software\"; \"none\"; and, where visibility_names() has it, \"gl-query\".\n"
            "Error for another name, and where no OpenGL context can be had.")
       .def_prop_ro("name", [](const PythonVisibility& v) { return std::string(v.backend->name()); })
       .def_prop_ro("can_hide", [](const PythonVisibility& v) { return v.backend->can_hide(); })

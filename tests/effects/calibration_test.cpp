@@ -39,7 +39,7 @@ class CalibrationFile : public ::testing::Test {
 TEST_F(CalibrationFile, GivesTheSameNumbersBack) {
   Calibration calibration = round_calibration();
   calibration.visit_ns = 1.0 / 3.0;
-  calibration.backends.push_back({"gl-compute", 0.1 + 0.2, 2.0 / 3.0, 1e-3, 123456.789, 1e7});
+  calibration.backends.push_back({"gl-query", 0.1 + 0.2, 2.0 / 3.0, 1e-3, 123456.789, 1e7});
   calibration.devices.assign(hlod::device_presets().begin(), hlod::device_presets().end());
   calibration.devices[0].draw_ns = 10.0 / 3.0;
   calibration.devices[1].latency_commands = 7;

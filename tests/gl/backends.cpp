@@ -11,12 +11,11 @@ namespace occlod::gl {
 namespace {
 
 std::string name_of(Backend backend) {
-  constexpr std::array<const char*, 7> names{"software",   "query",  "query_conservative", "query_half", "mark",
-                                             "mark_third", "compute"};
+  constexpr std::array<const char*, 5> names{"software", "query", "query_conservative", "query_half", "query_third"};
   return names[static_cast<std::size_t>(backend)];
 }
 
-int version_needed(Backend backend) { return backend == Backend::query || backend == Backend::query_half ? 33 : 43; }
+int version_needed(Backend backend) { return backend == Backend::query_conservative ? 43 : 33; }
 
 }  // namespace
 
@@ -35,42 +34,27 @@ std::shared_ptr<Context> TestedBackend::context(std::string& why) const {
 }
 
 std::unique_ptr<Visibility> TestedBackend::make(std::shared_ptr<Context> context, bool count_pixels) const {
-  switch (backend) {
-    case Backend::software:
-      return make_software_occlusion({.count_pixels = count_pixels});
-    case Backend::mark:
-    case Backend::mark_third: {
-      MarkOcclusionOptions options;
-      options.count_pixels = count_pixels;
-      options.divisor = divisor();
-      return make_mark_occlusion(std::move(context), options);
-    }
-    case Backend::compute: {
-      ComputeOcclusionOptions options;
-      options.count_pixels = count_pixels;
-      return make_compute_occlusion(std::move(context), options);
-    }
-    default: {
-      QueryOcclusionOptions options;
-      options.target = count_pixels                             ? QueryTarget::count
-                       : backend == Backend::query_conservative ? QueryTarget::any_conservative
-                                                                : QueryTarget::any;
-      options.divisor = divisor();
-      return make_query_occlusion(std::move(context), options);
-    }
-  }
+  if (backend == Backend::software) return make_software_occlusion({.count_pixels = count_pixels});
+  QueryOcclusionOptions options;
+  options.target = count_pixels                             ? QueryTarget::count
+                   : backend == Backend::query_conservative ? QueryTarget::any_conservative
+                                                            : QueryTarget::any;
+  options.divisor = divisor();
+  return make_query_occlusion(std::move(context), options);
 }
 
-std::vector<TestedBackend> tested_backends(Needs least) {
+std::vector<TestedBackend> tested_gl_backends() {
   std::vector<TestedBackend> chosen;
-  if (least == Needs::nothing) chosen.push_back({Backend::software, Platform::egl});
-  for (const Platform platform : {Platform::egl, Platform::osmesa}) {
-    if (least != Needs::storage_buffers)
-      for (const Backend backend : {Backend::query, Backend::query_conservative, Backend::query_half})
-        chosen.push_back({backend, platform});
-    for (const Backend backend : {Backend::mark, Backend::mark_third, Backend::compute})
+  for (const Platform platform : {Platform::egl, Platform::osmesa})
+    for (const Backend backend :
+         {Backend::query, Backend::query_conservative, Backend::query_half, Backend::query_third})
       chosen.push_back({backend, platform});
-  }
+  return chosen;
+}
+
+std::vector<TestedBackend> tested_backends() {
+  std::vector<TestedBackend> chosen = tested_gl_backends();
+  chosen.insert(chosen.begin(), {Backend::software, Platform::egl});
   return chosen;
 }
 

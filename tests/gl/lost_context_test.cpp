@@ -41,7 +41,7 @@ class LostContext : public EachBackend {
 };
 
 std::vector<TestedBackend> backends_on_egl() {
-  std::vector<TestedBackend> all = tested_backends(Needs::context);
+  std::vector<TestedBackend> all = tested_gl_backends();
   std::erase_if(all, [](const TestedBackend& tested) { return tested.platform != Platform::egl; });
   return all;
 }

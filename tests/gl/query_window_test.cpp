@@ -1,13 +1,10 @@
-// What gl-query alone has: a window of queries, their pool, and a wait for each.
+// Tests what gl-query alone has: a window of queries, their pool, and a wait for each.
 #include <array>
 
 #include "gl/backend_options.h"
 #include "gl/counting_context.h"
 #include "gl/support.h"
 #include "occlod/base.h"
-#include "occlod/build_hierarchy.h"
-#include "occlod/generate.h"
-#include "occlod/refiner.h"
 #include "oracle/random_shapes.h"
 
 namespace occlod::gl {
@@ -42,22 +39,6 @@ TEST_P(QueryWindow, TheFlightIsAsGiven) {
     start(*occlusion, wall());
     EXPECT_EQ(occlusion->flight(), flight);
   }
-}
-
-// Both ask about the same proxies in the same order, so with the same flight the same triangles are left.
-TEST_P(QueryWindow, MarksRefineAsQueriesWithTheSameFlight) {
-  const Hierarchy hierarchy = build_hierarchy(generate_rough_planet({.level = 4}));
-  const RefineObject objects[] = {{.hierarchy = &hierarchy}};
-  Camera camera{.eye = {0.0, 0.0, 3.0}, .target = {0.0, 0.0, 0.0}};
-  camera.width = 320;
-  camera.height = 240;
-  const auto refined = [&](Visibility& visibility) {
-    Refiner refiner(objects);
-    return refiner.refine(View(camera), {.budget = 1000}, visibility).objects[0].triangles;
-  };
-  const auto queries = make_query_occlusion(context_, {.flight = 16});
-  const auto marks = make_mark_occlusion(context_, {.flight = 16});
-  EXPECT_EQ(refined(*queries), refined(*marks));
 }
 
 // The same 300 questions, 20 under way: the window changes when they are put to OpenGL, not what it answers.

@@ -204,18 +204,17 @@ class Backends(unittest.TestCase):
     def test_gl_where_built(self):
         _, hierarchy = planet(4)
         software = occlod.Refiner(hierarchy).refine(VIEW, 1000)
-        for name in ("gl-query", "gl-mark", "gl-compute"):
-            if name not in occlod.visibility_names():
-                with self.assertRaisesRegex(occlod.Error, "without OpenGL"):
-                    occlod.Visibility(name)
-                continue
-            try:
-                visibility = occlod.Visibility(name)
-            except occlod.Error as error:
-                self.skipTest(f"SKIPPED: no OpenGL here: {error}")
-            refined = occlod.Refiner(hierarchy).refine(VIEW, 1000, visibility)
-            self.assertEqual(visibility.name, name)
-            self.assertAlmostEqual(len(refined.triangles()), len(software.triangles()), delta=100)
+        if "gl-query" not in occlod.visibility_names():
+            with self.assertRaisesRegex(occlod.Error, "without OpenGL"):
+                occlod.Visibility("gl-query")
+            return
+        try:
+            visibility = occlod.Visibility("gl-query")
+        except occlod.Error as error:
+            self.skipTest(f"SKIPPED: no OpenGL here: {error}")
+        refined = occlod.Refiner(hierarchy).refine(VIEW, 1000, visibility)
+        self.assertEqual(visibility.name, "gl-query")
+        self.assertAlmostEqual(len(refined.triangles()), len(software.triangles()), delta=100)
 
     def test_auto(self):
         _, hierarchy = planet(5)

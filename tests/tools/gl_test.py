@@ -1,10 +1,8 @@
-"""The OpenGL backends on the command line, with EGL and OSMesa as far as the machine has them."""
+"""Tests `gl-query` on the command line, with EGL and OSMesa as far as the machine has them."""
 import os
 import unittest
 
 from tool_case import ToolTest
-
-BACKENDS = ["gl-query", "gl-mark", "gl-compute"]
 
 
 class GlTest(ToolTest):
@@ -25,26 +23,17 @@ class GlTest(ToolTest):
             self.skipTest("no OpenGL context")
         return found
 
-    def modern_platforms(self):
-        """Those of OpenGL 4.3, which storage buffers need."""
-        found = [name for name in self.platforms()
-                 if self.run_tool(*self.arguments("--occlusion", "gl-mark", "--gl-platform", name)).returncode == 0]
-        if not found:
-            self.skipTest("no OpenGL 4.3")
-        return found
-
 
 class GlBackends(GlTest):
     def test_report(self):
-        for platform in self.modern_platforms():
-            for backend in BACKENDS:
-                result = self.render("--occlusion", backend, "--gl-platform", platform)
-                self.assertEqual(result["occlusion"], backend)
-                self.assertTrue(result["gl"]["platform"].startswith(platform), result["gl"])
-                self.assert_has_keys(result["gl"], "platform renderer version flight")
-                # The planet hides its far side, so what is refined is not what is refined without.
-                self.assertGreater(result["queries"], 0)
-                self.assertNotEqual(result["hash"], self.render("--occlusion", "none")["hash"])
+        for platform in self.platforms():
+            result = self.render("--occlusion", "gl-query", "--gl-platform", platform)
+            self.assertEqual(result["occlusion"], "gl-query")
+            self.assertTrue(result["gl"]["platform"].startswith(platform), result["gl"])
+            self.assert_has_keys(result["gl"], "platform renderer version flight")
+            # The planet hides its far side, so what is refined is not what is refined without.
+            self.assertGreater(result["queries"], 0)
+            self.assertNotEqual(result["hash"], self.render("--occlusion", "none")["hash"])
 
     def test_is_reproducible(self):
         """Whatever the measured window, which depends on the machine's mood."""
@@ -69,12 +58,6 @@ class GlFaults(GlTest):
                 line = self.fail_with("MESA_GL_VERSION_OVERRIDE", version, "--occlusion", "gl-query", "--gl-platform", platform)
                 self.assertIn("no OpenGL 3.3 core context", line)
 
-    def test_driver_without_storage_buffers(self):
-        for platform in self.modern_platforms():
-            for backend in ("gl-mark", "gl-compute"):
-                line = self.fail_with("MESA_EXTENSION_OVERRIDE", "-GL_ARB_shader_storage_buffer_object", "--occlusion", backend, "--gl-platform", platform)
-                self.assertIn(f"{backend}: needs OpenGL 4.3", line)
-
     def test_no_driver(self):
         if "egl" not in self.platforms():
             self.skipTest("no EGL")
@@ -96,11 +79,11 @@ class GlFaults(GlTest):
     def test_context_lost_while_used(self):
         """Whenever the driver tells it, from the first time that it is asked until it is never asked so often: one line, and without a loss the
         result of every run. It is asked for batches, not for each query: a driver may go into the kernel to answer."""
-        whole = {(platform, backend): self.render("--occlusion", backend, "--gl-platform", platform)
-                 for platform in self.modern_platforms() for backend in BACKENDS}
-        for (platform, backend), result in whole.items():
+        whole = {platform: self.render("--occlusion", "gl-query", "--gl-platform", platform)
+                 for platform in self.platforms()}
+        for platform, result in whole.items():
             self.preload_losing_driver(LOSE_CONTEXT_AT="0")
-            arguments = self.arguments("--occlusion", backend, "--gl-platform", platform)
+            arguments = self.arguments("--occlusion", "gl-query", "--gl-platform", platform)
             lost, kept = -1, 0  # at the last loss that was noticed, and at one that came too late
             while self.run_tool(*arguments).returncode != 0:
                 line = self.failure_of(*arguments)

@@ -13,18 +13,9 @@ STRATEGIES = ["vfc", "sw", "sw-b", "bool", "simp", "coh", "ideal", "nohc", "chc+
 
 
 class HlodCompare(ToolTest):
-    """Three planets one behind the other, walked past."""
-
     def setUp(self):
         super().setUp()
-        self.make_planet()
-        camera = {"eye": [0.2, 0.3, 3], "target": [0, 0, 0], "near": 0.1, "far": 30}
-        objects = [{"mesh": "planet.ply", "position": [0.3 * i, 0, -3 * i]} for i in range(3)]
-        self.scene = {"objects": objects, "cameras": {"default": camera},
-                      "paths": {"by": {"frames": 7, "keys": [camera, dict(camera, eye=[2.5, 0.3, 2.2])]},
-                                "jump": {"frames": 4, "jump": True, "keys": [camera, dict(camera, eye=[-2, 1, 2])]}}}
-        self.write_scene(json.dumps(self.scene))
-        self.succeed("hlod", "build", "scene.json", "-o", "planets.ohlod", "--node-triangles", 64)
+        self.make_planets_hlod()
 
     def run_compare(self, *arguments):
         return subprocess.run([os.environ["HLOD_COMPARE"], *map(str, arguments)], cwd=self.folder, env=self.environment, capture_output=True, text=True)

@@ -52,6 +52,18 @@ class ToolTest(unittest.TestCase):
     def write_scene(self, text):
         (self.folder / "scene.json").write_text(text)
 
+    def make_planets_hlod(self):
+        """Writes scene.json, three planets one behind the other, walked past, and planets.ohlod. Returns the scene."""
+        self.make_planet()
+        camera = {"eye": [0.2, 0.3, 3], "target": [0, 0, 0], "near": 0.1, "far": 30}
+        objects = [{"mesh": "planet.ply", "position": [0.3 * i, 0, -3 * i]} for i in range(3)]
+        scene = {"objects": objects, "cameras": {"default": camera},
+                 "paths": {"by": {"frames": 7, "keys": [camera, dict(camera, eye=[2.5, 0.3, 2.2])]},
+                           "jump": {"frames": 4, "jump": True, "keys": [camera, dict(camera, eye=[-2, 1, 2])]}}}
+        self.write_scene(json.dumps(scene))
+        self.succeed("hlod", "build", "scene.json", "-o", "planets.ohlod", "--node-triangles", 64)
+        return scene
+
     def assert_has_keys(self, result, keys):
         self.assertEqual(sorted(set(keys.split()) - set(result)), [])
 

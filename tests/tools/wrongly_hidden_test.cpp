@@ -106,14 +106,14 @@ TEST_P(ConservativeMode, HidesNothingWronglyBySoftware) {
 }
 
 #ifdef OCCLOD_HAS_GL
-TEST_P(ConservativeMode, HidesNothingWronglyByMarks) {
-  std::unique_ptr<Visibility> marks;
+TEST_P(ConservativeMode, HidesNothingWronglyByQueries) {
+  std::unique_ptr<Visibility> queries;
   try {
-    marks = gl::make_mark_occlusion(gl::create_any_context());
+    queries = gl::make_query_occlusion(gl::create_any_context());
   } catch (const Error& error) {
-    GTEST_SKIP() << "no context of OpenGL 4.3: " << error.what();
+    GTEST_SKIP() << "no OpenGL context: " << error.what();
   }
-  expect_nothing_wrongly_hidden(GetParam(), *marks);
+  expect_nothing_wrongly_hidden(GetParam(), *queries);
 }
 #endif
 

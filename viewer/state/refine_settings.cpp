@@ -27,8 +27,7 @@ std::vector<Setting> view_settings() {
           {"occlusion", "Occlusion",
            "Backend of occlusion queries. auto: picks the culling techniques that pay off in each view; "
            "Occluder after and Final check then have no effect"},
-          {"none", "software", "gl-query", "gl-mark", "gl-compute", "auto"},
-          [](auto& s) -> auto& { return s.occlusion; }),
+          {"none", "software", "gl-query", "auto"}, [](auto& s) -> auto& { return s.occlusion; }),
       choice(
           {"mode", "Occluder mode",
            "paper: the coarse mesh as it is; conservative: only what stays hidden wherever the true surface may be"},

@@ -7,7 +7,7 @@
 namespace occlod::viewer {
 
 // With `automatic`, AutoRefiner chooses the effects that pay off in each view, with the software backend.
-enum class Occlusion { none, software, gl_query, gl_mark, gl_compute, automatic };
+enum class Occlusion { none, software, gl_query, automatic };
 
 enum class Shading { smooth, flat };
 

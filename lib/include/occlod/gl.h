@@ -73,28 +73,6 @@ class Context {
 // draw_occluder() and the collect() after which no query is under way when OpenGL reports an error.
 [[nodiscard]] std::unique_ptr<Visibility> make_query_occlusion(std::shared_ptr<Context> context);
 
-// The backend `gl-mark`: all proxies of a flight in one draw, whose fragments mark what is visible.
-
-// Draws the occluder and proxies of gl-query and gives its answers, without query objects. When the oldest answer is
-// collected, the proxies of all queries submitted since the last time are drawn, one instanced draw for each kind of
-// proxy, with the depth test before the fragment shader; each fragment writes to its proxy's
-// word of a storage buffer, which is read back once. Needs OpenGL 4.3.
-//
-// The context is used as by gl-query. Throws Error for no context or one older than 4.3; collect() when the driver has
-// not answered after 10 s.
-[[nodiscard]] std::unique_ptr<Visibility> make_mark_occlusion(std::shared_ptr<Context> context);
-
-// The backend `gl-compute`: a depth pyramid on the GPU, and all tests of a flight in one dispatch.
-
-// Tests as the software backend does: the bound's screen rectangle and nearest depth, computed on the CPU, against the
-// farthest depths of the occluder. OpenGL draws the occluder as nearness, pushed away by 1/64 of what one pixel spans,
-// since rasterisers may move it by 1/256 pixel: what software hides by a smaller margin is visible here. A test that
-// has not ended after 16,384 texels answers visible too. The occluder is clipped at the far plane. Needs OpenGL 4.3.
-//
-// The context is used as by gl-query. Throws Error for no context or one older than 4.3; draw_occluder
-// and collect() when OpenGL reports an error, collect() when the driver has not answered after 10 s.
-[[nodiscard]] std::unique_ptr<Visibility> make_compute_occlusion(std::shared_ptr<Context> context);
-
 // The device `gl`: draws HLODs by OpenGL and asks it by occlusion queries.
 
 // How the device `gl` draws.
