@@ -46,7 +46,7 @@ TEST_P(QueryWindow, TheFlightIsAsGiven) {
 
 // Both ask about the same proxies in the same order, so with the same flight the same triangles are left.
 TEST_P(QueryWindow, MarksRefineAsQueriesWithTheSameFlight) {
-  const Hierarchy hierarchy = build_hierarchy(generate_rough_planet({.level = 4}));
+  const Hierarchy hierarchy = build_hierarchy(generate("rough-planet", {{"level", 4}}));
   const RefineObject objects[] = {{.hierarchy = &hierarchy}};
   Camera camera{.eye = {0.0, 0.0, 3.0}, .target = {0.0, 0.0, 0.0}};
   camera.width = 320;
