@@ -22,7 +22,7 @@ namespace occlod::bench {
 namespace {
 
 constexpr int image_size = 1024;                               // of the images that the tolerance is a pixel of
-constexpr double near = 0.1, max_motion = 0.25, pitch = 60.0;  // of generate_city(), from street to street
+constexpr double near = 0.1, max_motion = 0.25, pitch = 60.0;  // of generate("city"), from street to street
 constexpr std::array missed_shares{1.0, 0.1, 0.01, 0.001};     // %
 constexpr std::array tolerances{1.0, 0.25};                    // px
 
@@ -52,7 +52,8 @@ struct City {
   std::optional<CellOccluders> occluders;
 
   explicit City(const Options& options)
-      : hierarchy(build_hierarchy(generate_city({.blocks = options.blocks, .facade_cells = options.facade_cells}))) {
+      : hierarchy(
+            build_hierarchy(generate("city", {{"blocks", options.blocks}, {"facade_cells", options.facade_cells}}))) {
     const std::span<const glm::vec3> positions = hierarchy.positions();
     mesh.positions.assign(positions.begin(), positions.end());
     for (std::uint32_t i = 0; i < scene.triangle_count(); ++i) mesh.triangles.push_back(scene.item(i).triangle);

@@ -20,7 +20,7 @@ namespace occlod::bench {
 namespace {
 
 constexpr double near = 0.1;
-constexpr double window_depth = 0.6;  // of generate_city()
+constexpr double window_depth = 0.6;  // of generate("city")
 constexpr int map_pixels = 1024;
 constexpr int random_eyes = 116;  // 125 with the corners and the middle
 
@@ -42,7 +42,7 @@ std::vector<paper::ConvexOccluder> inner_boxes(const TriangleMesh& city) {
   return occluders;
 }
 
-constexpr double pitch = 60.0;  // of generate_city(), from street to street
+constexpr double pitch = 60.0;  // of generate("city"), from street to street
 
 struct Options {
   int blocks = 16;
@@ -56,7 +56,7 @@ struct Scene {
   Hierarchy hierarchy = build_hierarchy(mesh);
   std::vector<paper::ConvexOccluder> houses = inner_boxes(mesh);
   CellBox box;
-  explicit Scene(int blocks) : mesh(generate_city({.blocks = blocks, .facade_cells = 8})) {
+  explicit Scene(int blocks) : mesh(generate("city", {{"blocks", blocks}, {"facade_cells", 8}})) {
     box = {glm::dvec3(hierarchy.data().box.min) - 1.0, glm::dvec3(hierarchy.data().box.max) + 1.0};
   }
 };

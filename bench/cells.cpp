@@ -52,7 +52,7 @@ void run(const Hierarchy& hierarchy, const tool::FullScene& scene, const Place& 
 }
 
 void run_all() {
-  const Hierarchy city = build_hierarchy(generate_city({.blocks = 16, .facade_cells = 8}));
+  const Hierarchy city = build_hierarchy(generate("city", {{"blocks", 16}, {"facade_cells", 8}}));
   const RefineObject objects[] = {{.hierarchy = &city}};
   const tool::FullScene scene(objects);
   fmt::print(

@@ -37,7 +37,7 @@ const std::vector<Scene>& scenes() {
   static const std::vector<Scene> all = [] {
     std::vector<Scene> result;
     result.push_back({"planet", hlod::build_hlod(load_bench_mesh("planet:8")), {.near = 0.1, .far = 10.0}});
-    Hlod city = hlod::build_hlod(generate_city({.blocks = 16, .facade_cells = 8}));
+    Hlod city = hlod::build_hlod(generate("city", {{"blocks", 16}, {"facade_cells", 8}}));
     const glm::dvec3 min(city.data().box.min), size = glm::dvec3(city.data().box.max) - min;
     const glm::dvec3 eye(min.x + 0.5 * size.x, min.y + 0.02 * size.y, min.z + 0.1 * size.z);
     Camera street{.eye = eye, .target = eye + glm::dvec3(0.1, 1.0, 0.0), .up = {0.0, 0.0, 1.0}};

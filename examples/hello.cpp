@@ -7,7 +7,7 @@
 
 int main(int argc, char** argv) try {
   const occlod::TriangleMesh mesh =
-      argc > 1 ? occlod::read_mesh(argv[1]).mesh : occlod::generate_rough_planet({.level = 7});
+      argc > 1 ? occlod::read_mesh(argv[1]).mesh : occlod::generate("rough-planet", {{"level", 7}});
   const occlod::Hierarchy hierarchy = occlod::build_hierarchy(mesh);
 
   const occlod::RefineObject objects[] = {{.hierarchy = &hierarchy}};

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -36,79 +35,49 @@ struct Request {
   bool json = false;
 };
 
-// Returns the allowed values of an option as a range of the right type.
-template <class Options>
-WholeRange range_of(const GeneratorOption<Options, int>& option) {
-  return {static_cast<std::uint64_t>(option.low), static_cast<std::uint64_t>(option.high)};
-}
-template <class Options>
-WholeRange range_of(const GeneratorOption<Options, std::uint64_t>&) {
-  return {};
-}
-template <class Options>
-RealRange range_of(const GeneratorOption<Options, double>& option) {
-  return {option.low, option.high};
+// Text that in_range() takes is what GeneratorParameter::accepts().
+double read_value(std::string text, const GeneratorParameter& parameter) {
+  const CLI::Validator check =
+      parameter.whole
+          ? in_range(WholeRange{static_cast<std::uint64_t>(parameter.min), static_cast<std::uint64_t>(parameter.max)})
+          : in_range(RealRange{parameter.min, parameter.max});
+  if (const std::string wrong = check(text); !wrong.empty())
+    throw CLI::ValidationError(std::string(parameter.name), wrong);
+  return std::stod(text);
 }
 
-template <class Options, class Value>
-void assign(Value& value, std::string text, const GeneratorOption<Options, Value>& option) {
-  if (const std::string wrong = in_range(range_of(option))(text); !wrong.empty())
-    throw CLI::ValidationError(option.name, wrong);
-  CLI::detail::lexical_cast(text, value);  // it was checked
-}
-
-template <class Options>
-std::string names_of_options() {
-  std::string names;
-  const Options options;
-  for_each_option(options, [&](const auto& option, const auto&) {
-    names += (names.empty() ? "" : ", ") + std::string(option.name);
-  });
-  return names;
-}
-
-template <class Options>
-Options read_settings(const std::vector<std::string>& settings) {
-  Options options;
-  std::vector<std::string> known;
+GeneratorValues read_values(const Generator& generator, const std::vector<std::string>& settings) {
+  GeneratorValues values;
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
     const std::string name = setting.substr(0, equals);
-    bool is_known = false;
-    for_each_option(options, [&](const auto& option, auto& value) {
-      if (name != option.name) return;
-      is_known = true;
-      assign(value, equals == std::string::npos ? "" : setting.substr(equals + 1), option);
-    });
-    if (!is_known)
+    const GeneratorParameter* const parameter = find_named(generator.parameters, name);
+    if (parameter == nullptr)
       throw CLI::ValidationError(fmt::format("{} of {} is not one of {}, each followed by =VALUE", shown(name),
-                                             Generator<Options>::name, names_of_options<Options>()));
-    if (std::find(known.begin(), known.end(), name) != known.end())
-      throw CLI::ValidationError(name + " is given more than once");
-    known.push_back(name);
+                                             generator.name, names_of(generator.parameters)));
+    const double value = read_value(equals == std::string::npos ? "" : setting.substr(equals + 1), *parameter);
+    if (!values.emplace(name, value).second) throw CLI::ValidationError(name + " is given more than once");
   }
-  return options;
+  return values;
 }
 
-template <class Options>
-Json write_whole(const Options& options, const Request& request, Progress& progress) {
+Json write_whole(const GeneratorValues& values, const Request& request, Progress& progress) {
   progress.show("generating " + request.file, std::nullopt);
   const Stopwatch stopwatch;
-  const TriangleMesh mesh = Generator<Options>::generate(options);
+  const TriangleMesh mesh = generate(request.kind, values);
   const double generate_ms = stopwatch.milliseconds();
   write_interruptibly(request.file, 0, progress, [&] { write_mesh(request.file, mesh); });
   return {{"vertices", mesh.vertex_count()}, {"triangles", mesh.triangle_count()}, {"generate_ms", generate_ms}};
 }
 
-template <class Options>
-Json write_streamed(const Options& options, const Request& request, Progress& progress) {
+Json write_streamed(const GeneratorValues& values, const Request& request, Progress& progress) {
   check_mesh_parts_output(request.file);
   const Stopwatch stopwatch;
   WrittenCounts counts;
   write_interruptibly(request.file, 0, progress, [&] {
     counts = write_mesh_parts(request.file, [&](const PartVisitor& visit) {
-      Generator<Options>::stream(options, [&](const TriangleMesh& part, std::size_t repeated) {
-        note_interrupts();  // even while parts are only counted
+      stream_generated(request.kind, values, [&](const TriangleMesh& part, std::size_t repeated) {
+        note_interrupts();  // also while parts are only counted
         visit(part, repeated);
       });
     });
@@ -116,13 +85,13 @@ Json write_streamed(const Options& options, const Request& request, Progress& pr
   return {{"vertices", counts.vertices}, {"triangles", counts.triangles}, {"write_ms", stopwatch.milliseconds()}};
 }
 
-template <class Options>
-void run(const Options& options, const Request& request) {
+void run(const Request& request) {
+  const GeneratorValues values = read_values(generator_of(request.kind), request.settings);
   handle_interrupts("generate");
   CommandFiles().add_mesh_output("--output", request.file);
   Progress progress(request.progress);
   Json result = {{"generator", request.kind}, {"file", request.file}};
-  result.update(request.stream ? write_streamed(options, request, progress) : write_whole(options, request, progress));
+  result.update(request.stream ? write_streamed(values, request, progress) : write_whole(values, request, progress));
   result["peak_bytes"] = peak_bytes();
   progress.clear();
   request.json ? print_json(result) : print_lines(result);
@@ -130,22 +99,19 @@ void run(const Options& options, const Request& request) {
 
 std::vector<std::string> kinds() {
   std::vector<std::string> names;
-  for_each_generator([&]<class Options>(const Options&) { names.emplace_back(Generator<Options>::name); });
+  for (const Generator& generator : generators()) names.emplace_back(generator.name);
   return names;
 }
 
 // Lists the options in lines like "  level=8             subdivisions, 0 to 11".
 std::string table_of_options() {
   std::string text = "Kinds, and their options as they are when not given:\n";
-  for_each_generator([&]<class Options>(const Options& defaults) {
-    text += fmt::format("  {}: {}\n", Generator<Options>::name, Generator<Options>::about);
-    for_each_option(defaults, [&](const auto& option, const auto& value) {
-      const auto range = range_of(option);
-      const bool has_limits = option.low < option.high;
-      text += fmt::format("    {:<20} {}{}\n", fmt::format("{}={}", option.name, value), option.about,
-                          has_limits ? fmt::format(", {} to {}", range.low, range.high) : "");
-    });
-  });
+  for (const Generator& generator : generators()) {
+    text += fmt::format("  {}: {}\n", generator.name, generator.about);
+    for (const GeneratorParameter& parameter : generator.parameters)
+      text += fmt::format("    {:<20} {}, {} to {}\n", fmt::format("{}={}", parameter.name, parameter.default_value),
+                          parameter.about, parameter.min, parameter.max);
+  }
   return text + "For example:\n  occlod generate city blocks=4 -o city.ply";
 }
 
@@ -165,9 +131,7 @@ void add_generate(CLI::App& app) {
   command.footer(table_of_options());
   command.callback([request, &command] {
     read_global_options(command, {.json = &request->json, .progress = &request->progress});
-    for_each_generator([&]<class Options>(const Options&) {
-      if (request->kind == Generator<Options>::name) run(read_settings<Options>(request->settings), *request);
-    });
+    run(*request);
   });
 }
 

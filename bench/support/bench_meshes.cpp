@@ -36,11 +36,7 @@ std::vector<std::string> available(const std::vector<std::string>& names) {
 }
 
 TriangleMesh load_bench_mesh(const std::string& name) {
-  if (const auto level = planet_level(name)) {
-    RoughPlanetOptions options;
-    options.level = *level;
-    return generate_rough_planet(options);
-  }
+  if (const auto level = planet_level(name)) return generate("rough-planet", {{"level", *level}});
   return read_mesh(find_mesh(name, {})).mesh;
 }
 

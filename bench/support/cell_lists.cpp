@@ -13,7 +13,7 @@
 namespace occlod::bench {
 namespace {
 
-constexpr double street = 14.0, pitch = 60.0;  // of generate_city()
+constexpr double street = 14.0, pitch = 60.0;  // of generate("city")
 constexpr double edge = 3.5;                   // of a cell: four side by side in a street
 
 bool is_in_street(double t) { return std::abs(t - pitch * std::round(t / pitch)) < street / 2.0; }
@@ -68,7 +68,7 @@ CellSubtree packed(const CellGrid& grid, glm::ivec2 low, int side) {
 }  // namespace
 
 CellGrid build_grid(int side) {
-  const Hierarchy city = build_hierarchy(generate_city({.blocks = 8, .facade_cells = 8}));
+  const Hierarchy city = build_hierarchy(generate("city", {{"blocks", 8}, {"facade_cells", 8}}));
   const RefineObject objects[] = {{.hierarchy = &city}};
   const CellOccluders occluders(objects, 0.25);
   CellBuilder builder(objects, &occluders, {.eyes = tool::cube_eyes(1024, 0.1)});

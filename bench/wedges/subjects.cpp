@@ -140,11 +140,7 @@ TriangleMesh with_atlas(TriangleMesh mesh, const std::vector<std::uint32_t>& cha
   return mesh;
 }
 
-TriangleMesh planet() {
-  RoughPlanetOptions options;
-  options.level = 6;
-  return generate_rough_planet(options);
-}
+TriangleMesh planet() { return generate("rough-planet", {{"level", 6}}); }
 
 TriangleMesh raw_mesh(const std::string& name) {
   if (name == "cylinder") return cylinder(256, 128);

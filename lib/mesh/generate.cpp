@@ -1,19 +1,15 @@
-#include "occlod/generate.h"
-
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
-#include <utility>
 #include <vector>
 
 #include "base/arithmetic.h"
 #include "base/option_checker.h"
 #include "base/threads.h"
 #include "mesh/generators.h"
-#include "mesh/part_giver.h"
 #include "occlod/mesh.h"
 
 namespace occlod {
@@ -252,10 +248,9 @@ class ValueNoise {
 // Sums octaves of noise with halving heights that add up to 1, so the result is in [-1, 1].
 class FractalNoise {
  public:
-  explicit FractalNoise(const RoughPlanetOptions& options) : frequency_(options.frequency) {
-    for (int octave = 0; octave < options.octaves; ++octave) {
-      octaves_.emplace_back(scatter(options.seed + static_cast<std::uint64_t>(octave)));
-    }
+  FractalNoise(std::uint64_t seed, double frequency, int octaves) : frequency_(frequency) {
+    for (int octave = 0; octave < octaves; ++octave)
+      octaves_.emplace_back(scatter(seed + static_cast<std::uint64_t>(octave)));
   }
 
   double at(const glm::dvec3& direction) noexcept {
@@ -277,49 +272,46 @@ class FractalNoise {
   std::vector<ValueNoise> octaves_;
 };
 
-void check(const RoughPlanetOptions& options) { check_ranges(options, OptionChecker("rough planet")); }
-
 // Returns the bands between two rings, including the vertices of both.
-TriangleMesh bands(const OctahedronLattice& lattice, std::size_t first_ring, std::size_t last_ring,
-                   const RoughPlanetOptions& options) {
+TriangleMesh bands(const OctahedronLattice& lattice, std::size_t first_ring, std::size_t last_ring, double amplitude,
+                   const FractalNoise& noise) {
   TriangleMesh mesh;
   const std::size_t first = lattice.ring_start(first_ring);
   const std::size_t end =
       last_ring + 1 < lattice.ring_count() ? lattice.ring_start(last_ring + 1) : lattice.vertex_count();
   mesh.positions.resize(end - first);
-  const auto displace = [&](FractalNoise& noise, std::size_t task) {
+  const auto displace = [&](FractalNoise& own_noise, std::size_t task) {
     const std::size_t ring = first_ring + task;
     auto position = mesh.positions.begin() + static_cast<std::ptrdiff_t>(lattice.ring_start(ring) - first);
     lattice.for_each_direction(ring, [&](const glm::dvec3& direction) {
-      const double radius = 1.0 + options.amplitude * noise.at(direction);
+      const double radius = 1.0 + amplitude * own_noise.at(direction);
       *position++ = direction * radius;
     });
   };
   for_each_task(
-      last_ring + 1 - first_ring, thread_count(0), [&] { return FractalNoise(options); }, displace, [] {});
+      last_ring + 1 - first_ring, thread_count(0), [&] { return noise; }, displace, [] {});
   lattice.append_bands(first_ring, last_ring, 0, mesh.triangles);
   return mesh;
 }
 
 }  // namespace
 
-TriangleMesh generate_rough_planet(const RoughPlanetOptions& options) {
-  check(options);
-  const OctahedronLattice lattice(options.level);
-  return bands(lattice, 0, lattice.ring_count() - 1, options);
-}
-
-void stream_rough_planet(const RoughPlanetOptions& options, const PartVisitor& visit) {
-  check(options);
-  constexpr std::size_t max_vertices = std::size_t{1} << 18U;
-  const OctahedronLattice lattice(options.level);
+// The rough planet of Birkholz & Rahn: an octahedron lattice, subdivided `level` times, pushed onto the unit sphere and
+// displaced along the radius by seeded value noise, so that normal cones are wide. It has 4^(level + 1) + 2 vertices.
+// Parts go from pole to pole.
+void append_rough_planet(const GeneratorValues& values, PartGiver& parts) {
+  const OctahedronLattice lattice(value_of(values, "level"));
+  const FractalNoise noise(value_of<std::uint64_t>(values, "seed"), value_of<double>(values, "frequency"),
+                           value_of(values, "octaves"));
+  const std::size_t max_vertices = parts.gives_parts() ? std::size_t{1} << 18U : lattice.vertex_count();
   const std::size_t last = lattice.ring_count() - 1;
   for (std::size_t first = 0; first < last;) {
     std::size_t end = first + 1;
     while (end < last && lattice.ring_start(end + 1) - lattice.ring_start(first) < max_vertices) ++end;
     // Every part but the first begins with the last ring of the part before.
     const std::size_t repeated = first == 0 ? 0 : lattice.ring_start(first + 1) - lattice.ring_start(first);
-    visit(bands(lattice, first, end, options), repeated);
+    parts.part = bands(lattice, first, end, value_of<double>(values, "amplitude"), noise);
+    parts.give(repeated);
     first = end;
   }
 }
@@ -385,37 +377,25 @@ Building plan_building(glm::ivec2 block, glm::ivec2 quarter, int blocks, RandomS
   return {corner + (plot - size) / 2.0, size, lowest + more};
 }
 
-void append_city(const CityOptions& options, PartGiver& parts) {
-  const OptionChecker check("city");
-  check_ranges(options, check);
-  const double walls = 4.0 * options.blocks * options.blocks * 6.0 * options.facade_cells * options.facade_cells;
-  check.in_range("blocks^2 * facade_cells^2 * 48", 2.0 * walls, 0.0, 1e9);
+}  // namespace
 
-  RandomStream random(options.seed);
-  append_ground(parts.part, options.blocks);
-  for (int y = 0; y < options.blocks; ++y) {
-    for (int x = 0; x < options.blocks; ++x) {
+// A city of closed components that hide each other at street level.
+void append_city(const GeneratorValues& values, PartGiver& parts) {
+  const int blocks = value_of(values, "blocks"), cells = value_of(values, "facade_cells");
+  const double walls = 4.0 * blocks * blocks * 6.0 * cells * cells;
+  OptionChecker("city").in_range("blocks^2 * facade_cells^2 * 48", 2.0 * walls, 0.0, 1e9);
+
+  RandomStream random(value_of<std::uint64_t>(values, "seed"));
+  append_ground(parts.part, blocks);
+  for (int y = 0; y < blocks; ++y) {
+    for (int x = 0; x < blocks; ++x) {
       for (int quarter = 0; quarter < 4; ++quarter) {
-        const Building building = plan_building({x, y}, {quarter % 2, quarter / 2}, options.blocks, random);
-        append_building(parts.part, building, options.facade_cells, random);
+        const Building building = plan_building({x, y}, {quarter % 2, quarter / 2}, blocks, random);
+        append_building(parts.part, building, cells, random);
         parts.end_component();
       }
     }
   }
-}
-
-}  // namespace
-
-TriangleMesh generate_city(const CityOptions& options) {
-  PartGiver whole;
-  append_city(options, whole);
-  return std::move(whole.part);
-}
-
-void stream_city(const CityOptions& options, const PartVisitor& visit) {
-  PartGiver parts(visit);
-  append_city(options, parts);
-  parts.finish();
 }
 
 namespace {
@@ -446,32 +426,21 @@ void append_sphere(TriangleMesh& mesh, const OctahedronLattice& lattice, RandomS
   lattice.append_triangles(first, mesh.triangles);
 }
 
-void append_spheres_behind_wall(const SpheresBehindWallOptions& options, PartGiver& parts) {
-  const OptionChecker check("spheres behind wall");
-  check_ranges(options, check);
-  check.in_range("spheres * 4^level", static_cast<double>(options.spheres) * (1 << (2 * options.level)), 0.0, 1e8);
+}  // namespace
 
-  RandomStream random(options.seed);
-  append_wall(parts.part, options.wall_cells);
-  const OctahedronLattice lattice(options.level);
-  for (int sphere = 0; sphere < options.spheres; ++sphere) {
+// A wall in the plane x = 0 with a cloud of spheres at x < 0: from +x everything but the wall is hidden.
+void append_spheres_behind_wall(const GeneratorValues& values, PartGiver& parts) {
+  const int spheres = value_of(values, "spheres"), level = value_of(values, "level");
+  OptionChecker("spheres-behind-wall")
+      .in_range("spheres * 4^level", double{1.0} * spheres * (1 << (2 * level)), 0.0, 1e8);
+
+  RandomStream random(value_of<std::uint64_t>(values, "seed"));
+  append_wall(parts.part, value_of(values, "wall_cells"));
+  const OctahedronLattice lattice(level);
+  for (int sphere = 0; sphere < spheres; ++sphere) {
     append_sphere(parts.part, lattice, random);
     parts.end_component();
   }
-}
-
-}  // namespace
-
-TriangleMesh generate_spheres_behind_wall(const SpheresBehindWallOptions& options) {
-  PartGiver whole;
-  append_spheres_behind_wall(options, whole);
-  return std::move(whole.part);
-}
-
-void stream_spheres_behind_wall(const SpheresBehindWallOptions& options, const PartVisitor& visit) {
-  PartGiver parts(visit);
-  append_spheres_behind_wall(options, parts);
-  parts.finish();
 }
 
 }  // namespace occlod

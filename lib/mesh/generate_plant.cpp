@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <unordered_map>
@@ -8,8 +10,7 @@
 #include "base/arithmetic.h"
 #include "base/option_checker.h"
 #include "mesh/generators.h"
-#include "mesh/part_giver.h"
-#include "occlod/generate.h"
+#include "occlod/mesh.h"
 
 namespace occlod {
 namespace {
@@ -29,19 +30,26 @@ struct Heading {
   }
 };
 
+struct Bundle {
+  int pipes;
+  int bends;  // straight pieces of each pipe
+  int sides;  // corners of the cross-section
+  std::uint64_t seed;
+};
+
 class PipeBuilder {
  public:
-  PipeBuilder(const PipesOptions& options, RandomStream& random, TriangleMesh& mesh)
-      : options_(options), random_(random), mesh_(mesh) {}
+  PipeBuilder(const Bundle& bundle, RandomStream& random, TriangleMesh& mesh)
+      : bundle_(bundle), random_(random), mesh_(mesh) {}
 
   void build() {
     start();
     append_cap_center();
     append_ring(heading_.direction());
-    for (int piece = 0; piece < options_.bends; ++piece) {
+    for (int piece = 0; piece < bundle_.bends; ++piece) {
       advance();
       const Heading next = turn();
-      const bool last = piece + 1 == options_.bends;
+      const bool last = piece + 1 == bundle_.bends;
       append_ring(last ? heading_.direction() : next.direction());
       if (!last) heading_ = next;
     }
@@ -61,8 +69,8 @@ class PipeBuilder {
     u[(heading_.axis + 1) % 3] = 1.0;
     const glm::dvec3 v = glm::cross(along, u);
     offsets_.clear();
-    for (int corner = 0; corner < options_.sides; ++corner) {
-      const glm::dvec2 c = unit_circle_corner(corner, options_.sides);
+    for (int corner = 0; corner < bundle_.sides; ++corner) {
+      const glm::dvec2 c = unit_circle_corner(corner, bundle_.sides);
       offsets_.push_back(radius * (c.x * u + c.y * v));
     }
   }
@@ -107,8 +115,8 @@ class PipeBuilder {
   // Appends triangles. The vertices are the first cap's centre, the rings and the last cap's centre. Rings run
   // counter-clockwise seen against the heading.
   void append_triangles() {
-    const auto sides = static_cast<VertexId>(options_.sides);
-    const auto rings = static_cast<VertexId>(options_.bends) + 1;
+    const auto sides = static_cast<VertexId>(bundle_.sides);
+    const auto rings = static_cast<VertexId>(bundle_.bends) + 1;
     const auto at = [&](VertexId ring, VertexId corner) { return first_vertex_ + 1 + ring * sides + corner % sides; };
     const VertexId last_center = at(rings, 0);
     for (VertexId corner = 0; corner < sides; ++corner) {
@@ -121,7 +129,7 @@ class PipeBuilder {
     }
   }
 
-  const PipesOptions& options_;
+  const Bundle& bundle_;
   RandomStream& random_;
   TriangleMesh& mesh_;
   VertexId first_vertex_ = 0;
@@ -130,15 +138,18 @@ class PipeBuilder {
   std::vector<glm::dvec3> offsets_;  // from the axis to the lines along the pipe's surface
 };
 
-void append_pipes(const PipesOptions& options, PartGiver& parts) {
-  const OptionChecker check("pipes");
-  check_ranges(options, check);
-  check.in_range("pipes * (bends + 1) * sides", double{1.0} * options.pipes * (options.bends + 1) * options.sides, 0.0,
-                 1e9);
+Bundle bundle_of(const GeneratorValues& values) {
+  return {value_of(values, "pipes"), value_of(values, "bends"), value_of(values, "sides"),
+          value_of<std::uint64_t>(values, "seed")};
+}
 
-  RandomStream random(options.seed);
-  PipeBuilder builder(options, random, parts.part);
-  for (int pipe = 0; pipe < options.pipes; ++pipe) {
+// Returns about half the number of triangles.
+double size_of(const Bundle& bundle) { return double{1.0} * bundle.pipes * (bundle.bends + 1) * bundle.sides; }
+
+void append_bundle(const Bundle& bundle, PartGiver& parts) {
+  RandomStream random(bundle.seed);
+  PipeBuilder builder(bundle, random, parts.part);
+  for (int pipe = 0; pipe < bundle.pipes; ++pipe) {
     builder.build();
     parts.end_component();
   }
@@ -146,16 +157,11 @@ void append_pipes(const PipesOptions& options, PartGiver& parts) {
 
 }  // namespace
 
-TriangleMesh generate_pipes(const PipesOptions& options) {
-  PartGiver whole;
-  append_pipes(options, whole);
-  return std::move(whole.part);
-}
-
-void stream_pipes(const PipesOptions& options, const PartVisitor& visit) {
-  PartGiver parts(visit);
-  append_pipes(options, parts);
-  parts.finish();
+// Long thin closed components, as in plant models.
+void append_pipes(const GeneratorValues& values, PartGiver& parts) {
+  const Bundle bundle = bundle_of(values);
+  OptionChecker("pipes").in_range("pipes * (bends + 1) * sides", size_of(bundle), 0.0, 1e9);
+  append_bundle(bundle, parts);
 }
 
 namespace {
@@ -250,48 +256,39 @@ class Structure {
   std::unordered_map<int, VertexId> vertices_;
 };
 
-void append_bundle(PartGiver& parts, const PipesOptions& options, const glm::dvec3& corner) {
-  stream_pipes(options, [&](const TriangleMesh& pipes, std::size_t) {
+// Appends pipes in the cube of a room's side at `corner`, which has its smallest coordinates.
+void append_bundle_at(const glm::dvec3& corner, const Bundle& bundle, PartGiver& parts) {
+  const PartVisitor place = [&](const TriangleMesh& pipes, std::size_t) {
     TriangleMesh& mesh = parts.part;
     const auto first = static_cast<VertexId>(mesh.vertex_count());
     for (const glm::vec3& p : pipes.positions)
       mesh.positions.emplace_back(corner + (room - 2.0 * inset) * glm::dvec3(p));
     for (const Triangle& t : pipes.triangles) mesh.triangles.push_back(t + first);
     parts.end_component();
-  });
-}
-
-void append_plant(const PlantOptions& options, PartGiver& parts) {
-  const OptionChecker check("plant");
-  check_ranges(options, check);
-  const double bundles = 2.0 * options.storeys * options.bays;
-  check.in_range("2 * storeys * bays * pipes * (bends + 1) * sides",
-                 bundles * options.pipes * (options.bends + 1) * options.sides, 0.0, 1e9);
-
-  Structure structure(options.storeys, options.bays);
-  structure.append_to(parts.part);
-  std::uint64_t bundle = 0;
-  for (int storey = 0; storey < options.storeys; ++storey)
-    for (int bay = 0; bay < options.bays; ++bay)
-      for (int side = 0; side < 2; ++side, ++bundle)
-        append_bundle(
-            parts,
-            {options.pipes, options.bends, options.sides, scatter(options.seed) + bundle * 0x9e3779b97f4a7c15ULL},
-            structure.bundle_corner(storey, bay, side));
+  };
+  PartGiver in_unit_cube(place);
+  append_bundle(bundle, in_unit_cube);
+  in_unit_cube.give();
 }
 
 }  // namespace
 
-TriangleMesh generate_plant(const PlantOptions& options) {
-  PartGiver whole;
-  append_plant(options, whole);
-  return std::move(whole.part);
-}
+// A plant of several storeys: floors and walls in one piece, doors along an aisle, a shaft at its end, and bundles of
+// pipes on both sides of the aisle. It extends from the origin to (5.3 bays + 0.3, 13.6, 5.3 storeys + 0.3). The
+// defaults make 12.8 million triangles.
+void append_plant(const GeneratorValues& values, PartGiver& parts) {
+  const int storeys = value_of(values, "storeys"), bays = value_of(values, "bays");
+  Bundle bundle = bundle_of(values);
+  OptionChecker("plant").in_range("2 * storeys * bays * pipes * (bends + 1) * sides",
+                                  2.0 * storeys * bays * size_of(bundle), 0.0, 1e9);
 
-void stream_plant(const PlantOptions& options, const PartVisitor& visit) {
-  PartGiver parts(visit);
-  append_plant(options, parts);
-  parts.finish();
+  Structure structure(storeys, bays);
+  structure.append_to(parts.part);
+  bundle.seed = scatter(bundle.seed);
+  for (int storey = 0; storey < storeys; ++storey)
+    for (int bay = 0; bay < bays; ++bay)
+      for (int side = 0; side < 2; ++side, bundle.seed += 0x9e3779b97f4a7c15ULL)
+        append_bundle_at(structure.bundle_corner(storey, bay, side), bundle, parts);
 }
 
 }  // namespace occlod

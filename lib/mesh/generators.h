@@ -1,127 +1,79 @@
-// The generators and their options, each described once: for their checks, scene files, names of meshes and the command
-// line.
+// Looks up generators and their parameters, and declares the functions behind their names.
 #pragma once
 
-#include <cstdint>
-#include <tuple>
-#include <type_traits>
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
 
-#include "base/option_checker.h"
 #include "occlod/generate.h"
+#include "occlod/mesh.h"
 
 namespace occlod {
 
-template <class Options, class Value>
-struct GeneratorOption {
-  const char* name;
-  Value Options::*field;
-  double low, high;  // of an integer or a double; a seed is any number of 64 bits
-  const char* about;
-};
-
-template <class Options>
-constexpr GeneratorOption<Options, std::uint64_t> seed_option() {
-  return {"seed", &Options::seed, 0.0, 0.0, "random seed"};
+// Returns the generator or parameter of this name, or null.
+template <class Named>
+const Named* find_named(std::span<const Named> all, std::string_view name) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Named& one) { return one.name == name; });
+  return found == all.end() ? nullptr : &*found;
 }
 
-template <class Options>
-struct Generator;  // specialised below: name, about, options, generate and stream
-
-template <>
-struct Generator<RoughPlanetOptions> {
-  using O = RoughPlanetOptions;
-  static constexpr const char* name = "rough-planet";
-  static constexpr const char* about = "a sphere with random hills: 8 * 4^level triangles";
-  static constexpr auto options = std::tuple(
-      GeneratorOption<O, int>{"level", &O::level, 0, 11, "subdivisions"}, seed_option<O>(),
-      GeneratorOption<O, double>{"amplitude", &O::amplitude, 0.0, 0.99, "largest height of a hill, of the radius"},
-      GeneratorOption<O, double>{"frequency", &O::frequency, 0.0, 1e6, "noise cells per radius"},
-      GeneratorOption<O, int>{"octaves", &O::octaves, 0, 30, "octaves of noise"});
-  static constexpr auto generate = generate_rough_planet;
-  static constexpr auto stream = stream_rough_planet;
-};
-
-template <>
-struct Generator<CityOptions> {
-  using O = CityOptions;
-  static constexpr const char* name = "city";
-  static constexpr const char* about = "blocks of buildings on a plane, z up";
-  static constexpr auto options =
-      std::tuple(GeneratorOption<O, int>{"blocks", &O::blocks, 1, 256, "blocks along each side"},
-                 GeneratorOption<O, int>{"facade_cells", &O::facade_cells, 1, 256,
-                                         "cells along each edge of a wall; two triangles per cell"},
-                 seed_option<O>());
-  static constexpr auto generate = generate_city;
-  static constexpr auto stream = stream_city;
-};
-
-template <>
-struct Generator<PipesOptions> {
-  using O = PipesOptions;
-  static constexpr const char* name = "pipes";
-  static constexpr const char* about = "a bundle of bent pipes in a unit cube";
-  static constexpr auto options = std::tuple(
-      GeneratorOption<O, int>{"pipes", &O::pipes, 1, 1'000'000, "number of pipes"},
-      GeneratorOption<O, int>{"bends", &O::bends, 1, 100'000, "straight pieces per pipe"},
-      GeneratorOption<O, int>{"sides", &O::sides, 3, 4096, "corners of the cross-section"}, seed_option<O>());
-  static constexpr auto generate = generate_pipes;
-  static constexpr auto stream = stream_pipes;
-};
-
-template <>
-struct Generator<PlantOptions> {
-  using O = PlantOptions;
-  static constexpr const char* name = "plant";
-  static constexpr const char* about = "storeys of rooms full of pipes, with floors, walls and doors, z up";
-  static constexpr auto options = std::tuple(
-      GeneratorOption<O, int>{"storeys", &O::storeys, 1, 64, "number of storeys"},
-      GeneratorOption<O, int>{"bays", &O::bays, 1, 256, "rooms along the aisle of each storey"},
-      GeneratorOption<O, int>{"pipes", &O::pipes, 1, 10'000, "pipes on each side of a room"},
-      GeneratorOption<O, int>{"bends", &O::bends, 1, 100'000, "straight pieces per pipe"},
-      GeneratorOption<O, int>{"sides", &O::sides, 3, 4096, "corners of the cross-section"}, seed_option<O>());
-  static constexpr auto generate = generate_plant;
-  static constexpr auto stream = stream_plant;
-};
-
-template <>
-struct Generator<SpheresBehindWallOptions> {
-  using O = SpheresBehindWallOptions;
-  static constexpr const char* name = "spheres-behind-wall";
-  static constexpr const char* about = "spheres that a wall hides from +x";
-  static constexpr auto options =
-      std::tuple(GeneratorOption<O, int>{"spheres", &O::spheres, 1, 1'000'000, "number of spheres"},
-                 GeneratorOption<O, int>{"level", &O::level, 0, 8, "subdivisions of each sphere"},
-                 GeneratorOption<O, int>{"wall_cells", &O::wall_cells, 1, 4096, "cells along each edge of the wall"},
-                 seed_option<O>());
-  static constexpr auto generate = generate_spheres_behind_wall;
-  static constexpr auto stream = stream_spheres_behind_wall;
-};
-
-// Calls visit(Options()) for the default options of each.
-template <class Visit>
-void for_each_generator(const Visit& visit) {
-  visit(RoughPlanetOptions());
-  visit(CityOptions());
-  visit(PipesOptions());
-  visit(PlantOptions());
-  visit(SpheresBehindWallOptions());
+// Returns the names of generators or parameters: "blocks, facade_cells, seed".
+template <class Named>
+std::string names_of(std::span<const Named> all) {
+  std::string names;
+  for (const Named& one : all) names.append(names.empty() ? "" : ", ").append(one.name);
+  return names;
 }
 
-// Calls visit(option, value) for each GeneratorOption and the field that it is of, which may be assigned where
-// `options` are not constant.
-template <class Options, class Visit>
-void for_each_option(Options& options, const Visit& visit) {
-  std::apply([&](const auto&... option) { (visit(option, options.*option.field), ...); },
-             Generator<std::remove_const_t<Options>>::options);
-}
+// Returns what the parameter accepts: "a whole number from 1 to 256".
+[[nodiscard]] std::string accepted_by(const GeneratorParameter& parameter);
 
-// Throws Error that names an option out of its range.
-template <class Options>
-void check_ranges(const Options& options, const OptionChecker& check) {
-  for_each_option(options, [&](const auto& option, const auto& value) {
-    if constexpr (!std::is_same_v<decltype(value), const std::uint64_t&>)
-      check.in_range(option.name, value, option.low, option.high);
-  });
+// Returns the generator of this name. Throws Error that lists all of them.
+[[nodiscard]] const Generator& generator_of(std::string_view name);
+
+// Returns the values of all parameters. Throws Error for one that is unknown or not accepted.
+[[nodiscard]] GeneratorValues complete_values(const Generator& generator, const GeneratorValues& given);
+
+// Collects components in `part`, and passes parts to a visitor; without a visitor `part` becomes the whole mesh.
+class PartGiver {
+ public:
+  PartGiver() = default;
+  explicit PartGiver(const PartVisitor& visit) : visit_(&visit) {}
+
+  [[nodiscard]] bool gives_parts() const noexcept { return visit_ != nullptr; }
+
+  // Call after each component; components are never cut.
+  void end_component() {
+    constexpr std::size_t enough = std::size_t{1} << 18U;  // triangles
+    if (part.triangle_count() >= enough) give();
+  }
+  // Passes on what has been collected, if anything; the first `repeated` vertices are the last ones of the part before.
+  void give(std::size_t repeated = 0) {
+    if (!gives_parts() || part.triangles.empty()) return;
+    (*visit_)(part, repeated);
+    part.positions.clear();
+    part.triangles.clear();
+  }
+
+  TriangleMesh part;
+
+ private:
+  const PartVisitor* visit_ = nullptr;
+};
+
+// Each appends its mesh; `values` are those of complete_values().
+void append_rough_planet(const GeneratorValues& values, PartGiver& parts);
+void append_city(const GeneratorValues& values, PartGiver& parts);
+void append_pipes(const GeneratorValues& values, PartGiver& parts);
+void append_plant(const GeneratorValues& values, PartGiver& parts);
+void append_spheres_behind_wall(const GeneratorValues& values, PartGiver& parts);
+
+// Returns one of complete_values() as a Number, which its parameter's range fits.
+template <class Number = int>
+Number value_of(const GeneratorValues& values, std::string_view parameter) {
+  return static_cast<Number>(values.find(parameter)->second);
 }
 
 }  // namespace occlod

@@ -138,7 +138,7 @@ class Workload {
     return std::vector<OccluderPart>(count, {0, wall_positions_, wall_triangles_});
   }
 
-  TriangleMesh mesh_ = generate_rough_planet({.level = 4});
+  TriangleMesh mesh_ = generate("rough-planet", {{"level", 4}});
   Hierarchy hierarchy_ = build_hierarchy(mesh_);
   std::vector<glm::vec3> wall_positions_ = {
       {-9.0F, -9.0F, 0.0F}, {9.0F, -9.0F, 0.0F}, {9.0F, 9.0F, 0.0F}, {-9.0F, 9.0F, 0.0F}};

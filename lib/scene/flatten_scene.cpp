@@ -264,9 +264,10 @@ class SceneStreamer {
     for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
       if (progress_) progress_("reading " + scene_.name, static_cast<double>(i) / count);
       const std::string name = reader_.name(i);
-      if (!std::holds_alternative<MeshFile>(scene_.objects[i].source)) {
+      if (const auto* mesh = std::get_if<GeneratedMesh>(&scene_.objects[i].source)) {
         const MaterialId material = materials_.first_of({}, name);
-        stream_generated(scene_.objects[i].source, [&](const TriangleMesh& piece) { add(piece, i, material); });
+        stream_generated(mesh->generator, mesh->values,
+                         [&](const TriangleMesh& piece, std::size_t) { add(piece, i, material); });
         continue;
       }
       if (is_streamable_file(name)) {

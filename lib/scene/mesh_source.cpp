@@ -17,11 +17,12 @@ namespace occlod {
 namespace {
 
 // "city blocks=16 facade_cells=8 seed=1": caches know meshes by it.
-template <class Options>
-std::string describe(const Options& options) {
-  std::string text = Generator<Options>::name;
-  for_each_option(options,
-                  [&](const auto& option, const auto& value) { text += fmt::format(" {}={}", option.name, value); });
+std::string describe(const GeneratedMesh& mesh) {
+  const Generator& generator = generator_of(mesh.generator);
+  const GeneratorValues values = complete_values(generator, mesh.values);
+  std::string text(generator.name);
+  for (const GeneratorParameter& parameter : generator.parameters)
+    text += fmt::format(" {}={}", parameter.name, values.find(parameter.name)->second);
   return text;
 }
 
@@ -59,45 +60,21 @@ CleanMesh read_file(const std::string& name,
 
 std::string name_of_source(const MeshSource& source, const SceneDescription& scene, std::size_t index,
                            const std::filesystem::path& folder) {
-  if (const auto* file = std::get_if<MeshFile>(&source))
-    return find_file(
-        *file, folder,
-        {scene.file.empty() ? scene.name : scene.file.string(), fmt::format("/objects/{}/mesh", index), "", ""});
-  return std::visit(
-      [](const auto& options) -> std::string {
-        if constexpr (std::is_same_v<std::decay_t<decltype(options)>, MeshFile>)
-          return "";
-        else
-          return describe(options);
-      },
-      source);
+  if (const auto* mesh = std::get_if<GeneratedMesh>(&source)) return describe(*mesh);
+  return find_file(
+      std::get<MeshFile>(source), folder,
+      {scene.file.empty() ? scene.name : scene.file.string(), fmt::format("/objects/{}/mesh", index), "", ""});
 }
 
 bool is_olod_file(const std::filesystem::path& path) { return has_extension(path, ".olod"); }
 
 bool is_ohlod_file(const std::filesystem::path& path) { return has_extension(path, ".ohlod"); }
 
-void stream_generated(const MeshSource& source, const std::function<void(const TriangleMesh& piece)>& take) {
-  std::visit(
-      [&](const auto& options) {
-        using Source = std::decay_t<decltype(options)>;
-        if constexpr (!std::is_same_v<Source, MeshFile>)
-          Generator<Source>::stream(options, [&](const TriangleMesh& part, std::size_t) { take(part); });
-      },
-      source);
-}
-
 CleanMesh read_source(const MeshSource& source, const std::string& name,
                       const std::function<void(const std::string& what, double done)>& progress) {
-  return std::visit(
-      [&](const auto& options) {
-        using Source = std::decay_t<decltype(options)>;
-        if constexpr (std::is_same_v<Source, MeshFile>)
-          return read_file(name, progress);
-        else
-          return clean(Generator<Source>::generate(options), MeshReport{}, name);
-      },
-      source);
+  if (const auto* mesh = std::get_if<GeneratedMesh>(&source))
+    return clean(generate(mesh->generator, mesh->values), MeshReport{}, name);
+  return read_file(name, progress);
 }
 
 }  // namespace occlod

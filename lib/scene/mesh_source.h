@@ -22,9 +22,6 @@ namespace occlod {
 // Returns whether the extension is .ohlod, ignoring case.
 [[nodiscard]] bool is_ohlod_file(const std::filesystem::path& path);
 
-// Passes the generated mesh on in pieces; does nothing for a file.
-void stream_generated(const MeshSource& source, const std::function<void(const TriangleMesh& piece)>& take);
-
 // Reads the file, which must not be an .olod file, or generates the mesh. `name` is name_of_source(); `progress` may be
 // empty. Throws Error, also for an .ohlod file, whose nodes are no longer one mesh.
 [[nodiscard]] CleanMesh read_source(const MeshSource& source, const std::string& name,

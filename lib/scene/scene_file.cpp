@@ -7,8 +7,8 @@
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
-#include <tuple>
 
 #include "base/atomic_file.h"
 #include "base/strict_json.h"
@@ -49,40 +49,30 @@ SceneDescription describe_file(const fs::path& path) {
 
 namespace {
 
-void read_into(int& target, const JsonPlace& options, const char* key) {
-  if (const auto place = options.find(key)) target = place->integer(0);
-}
-
 void read_into(double& target, const JsonPlace& options, const char* key) {
   if (const auto place = options.find(key)) target = place->number();
 }
 
-void read_into(std::uint64_t& target, const JsonPlace& options, const char* key) {
-  if (const auto place = options.find(key)) target = place->unsigned_integer();
+GeneratorValues read_values(const JsonPlace& options, std::span<const GeneratorParameter> parameters) {
+  GeneratorValues values;
+  for (const auto& [name, place] : options.members()) {
+    const GeneratorParameter* const parameter = find_named(parameters, name);
+    if (parameter == nullptr) place.fail("is not a known key", "use one of: " + names_of(parameters));
+    const double value = place.number();
+    if (!parameter->accepts(value)) place.fail("is not " + accepted_by(*parameter));
+    values.emplace(name, value);
+  }
+  return values;
 }
 
-template <class Options>
-Options read_options(const JsonPlace& place) {
-  Options result;
-  std::apply([&](const auto&... option) { place.expect_keys({option.name...}); }, Generator<Options>::options);
-  for_each_option(result, [&](const auto& option, auto& value) { read_into(value, place, option.name); });
-  return result;
-}
-
-MeshSource read_generator(const JsonPlace& object) {
-  const JsonPlace generator = object.at("generator");
-  const std::string name = generator.string();
-  static const nlohmann::json no_options = nlohmann::json::object();
-  static const std::string no_file;
-  const JsonPlace options = object.find("options").value_or(JsonPlace(no_options, no_file));
-  std::optional<MeshSource> source;
-  std::string names;
-  for_each_generator([&]<class Options>(const Options&) {
-    if (name == Generator<Options>::name) source = read_options<Options>(options);
-    names += (names.empty() ? "" : ", ") + std::string(Generator<Options>::name);
-  });
-  if (!source) generator.fail("is not a generator", "use one of: " + names);
-  return *source;
+GeneratedMesh read_generator(const JsonPlace& object) {
+  const JsonPlace place = object.at("generator");
+  const std::string name = place.string();
+  const Generator* const generator = find_named(generators(), name);
+  if (generator == nullptr) place.fail("is not a generator", "use one of: " + names_of(generators()));
+  GeneratedMesh mesh{name, {}};
+  if (const auto options = object.find("options")) mesh.values = read_values(*options, generator->parameters);
+  return mesh;
 }
 
 MeshFile read_mesh_file(const JsonPlace& mesh) {
@@ -256,11 +246,18 @@ using Json = nlohmann::ordered_json;
 Json vector_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 Json source_json(const MeshFile& file) { return {{"mesh", file.names}}; }
-template <class Options>
-Json source_json(const Options& source) {
+Json source_json(const GeneratedMesh& mesh) {
+  const Generator& generator = generator_of(mesh.generator);
+  const GeneratorValues values = complete_values(generator, mesh.values);
   Json options;
-  for_each_option(source, [&](const auto& option, const auto& value) { options[option.name] = value; });
-  return {{"generator", Generator<Options>::name}, {"options", options}};
+  for (const GeneratorParameter& parameter : generator.parameters) {
+    const std::string name(parameter.name);
+    if (parameter.whole)
+      options[name] = value_of<std::uint64_t>(values, name);
+    else
+      options[name] = value_of<double>(values, name);
+  }
+  return {{"generator", mesh.generator}, {"options", options}};
 }
 
 Json object_json(const SceneObject& object) {

@@ -10,7 +10,7 @@ import occlod
 
 
 def main(folder: pathlib.Path) -> None:
-    city = occlod.build_hierarchy(occlod.generate_city(blocks=8, facade_cells=4))
+    city = occlod.build_hierarchy(occlod.generate("city", blocks=8, facade_cells=4))
     (x0, y0, _), (x1, y1, _) = city.box
     image = {"up": (0, 0, 1), "fov_y_deg": 60, "width": 480, "height": 400, "near": 0.2, "far": 3 * (x1 - x0)}
     camera = occlod.Camera(eye=(240, 270, 1.7), target=(480, 270, 12), **image)

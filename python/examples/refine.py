@@ -11,7 +11,7 @@ BUDGET = 4_000
 
 
 def main(folder: pathlib.Path) -> None:
-    hierarchy = occlod.build_hierarchy(occlod.generate_rough_planet(level=8))  # 524,288 triangles
+    hierarchy = occlod.build_hierarchy(occlod.generate("rough-planet", level=8))  # 524,288 triangles
     camera = occlod.Camera(eye=(0, 1.12, 0), target=(0, 0.98, -0.4), fov_y_deg=60, width=480, height=400, near=0.005)
     refiner = occlod.Refiner(hierarchy)
     images = []

@@ -16,7 +16,7 @@ def colored(heights: numpy.ndarray) -> numpy.ndarray:
 
 
 def main(folder: pathlib.Path) -> None:
-    mesh = occlod.generate_rough_planet(level=6, seed=3)
+    mesh = occlod.generate("rough-planet", level=6, seed=3)
     hierarchy = occlod.build_hierarchy(mesh)
     cut = hierarchy.cut(triangles=2_000)
     small = cut.mesh()

@@ -9,7 +9,7 @@ import occlod
 
 
 def main(folder: pathlib.Path) -> None:
-    city = occlod.build_hierarchy(occlod.generate_city(blocks=16, facade_cells=4))
+    city = occlod.build_hierarchy(occlod.generate("city", blocks=16, facade_cells=4))
     (x0, y0, _), (x1, y1, _) = city.box
     image = {"up": (0, 0, 1), "fov_y_deg": 60, "width": 480, "height": 400, "near": 0.2, "far": 3 * (x1 - x0)}
     keys = [occlod.Camera(eye=(x, 481, 1.7), target=(900, 480, 14), **image) for x in (125, 325)]

@@ -12,7 +12,7 @@ import occlod
 
 def build(path: pathlib.Path, eyes: occlod.EyeModel) -> None:
     """Cells of 4 m along 24 m of a street."""
-    city = occlod.build_hierarchy(occlod.generate_city(blocks=8, facade_cells=4))
+    city = occlod.build_hierarchy(occlod.generate("city", blocks=8, facade_cells=4))
     options = occlod.CellTreeOptions([occlod.CellBox((232, 268, 1), (256, 272, 2.5))], cell=occlod.CellOptions(eyes=eyes),
                                      root_cell=4, smallest_cell=4)
     cells = path.with_suffix(".tmp")

@@ -5,11 +5,15 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
 #include <filesystem>
 #include <optional>
+#include <sstream>
+#include <string>
 #include <type_traits>
+#include <vector>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -120,42 +124,48 @@ void bind_report(nb::module_& m) {
       .def_ro("left_out", &MeshReport::left_out, "In the file and not in the mesh.");
 }
 
+TriangleMesh generate_by_keywords(const std::string& generator, const nb::kwargs& given) {
+  GeneratorValues values;
+  for (const auto& [name, value] : given) {
+    const auto parameter = nb::cast<std::string>(name);
+    if (!nb::try_cast(value, values[parameter])) throw nb::type_error((parameter + " is not a number").c_str());
+  }
+  const nb::gil_scoped_release release;
+  return generate(generator, values);
+}
+
+std::string describe_generators() {
+  std::ostringstream text;
+  text.precision(16);  // the largest seed is exact
+  text << "The mesh of a generator; generators() has this table. Error says which values are allowed.\n";
+  for (const Generator& generator : generators()) {
+    text << "\n" << generator.name << ": " << generator.about << "\n";
+    for (const GeneratorParameter& p : generator.parameters)
+      text << "    " << p.name << "=" << p.default_value << ": " << p.about << ", " << p.min << " to " << p.max << "\n";
+  }
+  return text.str();
+}
+
 void bind_generators(nb::module_& m) {
+  nb::class_<GeneratorParameter>(m, "GeneratorParameter", "A keyword that generate() takes for a generator.")
+      .def_ro("name", &GeneratorParameter::name)
+      .def_ro("min", &GeneratorParameter::min, "Allowed itself.")
+      .def_ro("max", &GeneratorParameter::max, "Allowed itself.")
+      .def_ro("default_value", &GeneratorParameter::default_value)
+      .def_ro("whole", &GeneratorParameter::whole, "Only whole numbers are allowed.")
+      .def_ro("about", &GeneratorParameter::about)
+      .def("accepts", &GeneratorParameter::accepts, "value"_a);
+  nb::class_<Generator>(m, "Generator", "Makes test meshes from a few numbers.")
+      .def_ro("name", &Generator::name)
+      .def_ro("about", &Generator::about)
+      .def_prop_ro("parameters", [](const Generator& generator) {
+        return std::vector<GeneratorParameter>(generator.parameters.begin(), generator.parameters.end());
+      });
   m.def(
-      "generate_rough_planet",
-      [](int level, std::uint64_t seed, double amplitude, double frequency, int octaves) {
-        return generate_rough_planet({level, seed, amplitude, frequency, octaves});
-      },
-      nb::kw_only(), "level"_a = 8, "seed"_a = 1, "amplitude"_a = 0.08, "frequency"_a = 4.0, "octaves"_a = 6,
-      "The rough planet of Birkholz & Rahn: 8 * 4**level triangles around the origin, radius 1.");
-  m.def(
-      "generate_city",
-      [](int blocks, int facade_cells, std::uint64_t seed) {
-        return generate_city({blocks, facade_cells, seed});
-      },
-      nb::kw_only(), "blocks"_a = 16, "facade_cells"_a = 8, "seed"_a = 1,
-      "Blocks of buildings on a ground plane, z up.");
-  m.def(
-      "generate_pipes",
-      [](int pipes, int bends, int sides, std::uint64_t seed) {
-        return generate_pipes({pipes, bends, sides, seed});
-      },
-      nb::kw_only(), "pipes"_a = 64, "bends"_a = 12, "sides"_a = 16, "seed"_a = 1,
-      "A bundle of bent pipes in a unit cube.");
-  m.def(
-      "generate_plant",
-      [](int storeys, int bays, int pipes, int bends, int sides, std::uint64_t seed) {
-        return generate_plant({storeys, bays, pipes, bends, sides, seed});
-      },
-      nb::kw_only(), "storeys"_a = 4, "bays"_a = 8, "pipes"_a = 64, "bends"_a = 48, "sides"_a = 32, "seed"_a = 1,
-      "Storeys of rooms full of pipes, with floors, walls and doors, z up.");
-  m.def(
-      "generate_spheres_behind_wall",
-      [](int spheres, int level, int wall_cells, std::uint64_t seed) {
-        return generate_spheres_behind_wall({spheres, level, wall_cells, seed});
-      },
-      nb::kw_only(), "spheres"_a = 64, "level"_a = 4, "wall_cells"_a = 32, "seed"_a = 1,
-      "A wall in the plane x = 0 and a cloud of spheres at x < 0.");
+      "generators", [] { return std::vector<Generator>(generators().begin(), generators().end()); },
+      "What generate() can make.");
+  m.def("generate", generate_by_keywords, "generator"_a, "values"_a,
+        nb::sig("def generate(generator: str, **values: float) -> Mesh"), describe_generators().c_str());
 }
 
 void require_valid_wedges(const TriangleMesh& mesh) {

@@ -306,7 +306,8 @@ TEST_P(EachDevice, ImagesOfEverySize) {
 
 // All splits of a node give the triangles of its children, and none give its own; what they hide is the same.
 TEST_P(EachDevice, CutsWithinNodesHideAsTheirTrianglesDo) {
-  const Hlod hlod = build_hlod(generate_rough_planet({.level = 5}), {.node_triangles = 128, .within = Within::splits});
+  const Hlod hlod =
+      build_hlod(generate("rough-planet", {{"level", 5}}), {.node_triangles = 128, .within = Within::splits});
   ASSERT_EQ(hlod.data().roots.size(), 1U);
   const std::uint32_t all = hlod.data().within[0].splits;
   const auto counts_behind = [&](const auto& draw) {
@@ -398,9 +399,9 @@ std::size_t expect_nothing_lost(RenderDevice& device, const View& view, const Hl
 
 TEST_P(EachDevice, ABoxThatHoldsAVisiblePointIsNeverCountedZero) {
   const std::vector<Hlod> hlods{
-      build_hlod(generate_rough_planet({.level = 5, .amplitude = 0.2}), {.node_triangles = 64}),
-      build_hlod(generate_city({.blocks = 3, .facade_cells = 4}), {.node_triangles = 64}),
-      build_hlod(generate_pipes({.pipes = 10, .bends = 6, .sides = 6}), {.node_triangles = 64})};
+      build_hlod(generate("rough-planet", {{"level", 5}, {"amplitude", 0.2}}), {.node_triangles = 64}),
+      build_hlod(generate("city", {{"blocks", 3}, {"facade_cells", 4}}), {.node_triangles = 64}),
+      build_hlod(generate("pipes", {{"pipes", 10}, {"bends", 6}, {"sides", 6}}), {.node_triangles = 64})};
   std::mt19937 random(7);
   const auto number = [&] { return static_cast<double>(random() % 20'001) / 10'000.0 - 1.0; };
   std::size_t hidden = 0;

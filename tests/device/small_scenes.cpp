@@ -20,7 +20,7 @@ const Hlod& wall() {
 }
 
 const Hlod& planet() {
-  static const Hlod hlod = build_hlod(generate_rough_planet({.level = 5}), {.node_triangles = 128});
+  static const Hlod hlod = build_hlod(generate("rough-planet", {{"level", 5}}), {.node_triangles = 128});
   return hlod;
 }
 

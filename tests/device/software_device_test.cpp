@@ -121,7 +121,7 @@ TEST(SoftwareDevice, DrawsCuts) {
   BuildOptions options;
   options.node_triangles = 128;
   options.within = Within::splits;
-  const Hlod hlod = build_hlod(generate_rough_planet({.level = 5}), options);
+  const Hlod hlod = build_hlod(generate("rough-planet", {{"level", 5}}), options);
   NodeId node = 0;
   while (node < hlod.node_count() && !(hlod.has_within(node) && hlod.data().within[node].splits > 8)) ++node;
   ASSERT_LT(node, hlod.node_count());

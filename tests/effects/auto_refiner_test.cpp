@@ -83,7 +83,8 @@ TEST(AutoRefiner, LooksAgainWhenTheCameraHasMoved) {
 // one point everywhere, so that next to no subtree faces away as a whole.
 TEST(AutoRefiner, UsesConesWhereTheyCull) {
   const Hierarchy smooth = build_hierarchy(octahedron_sphere(5));
-  const Hierarchy rough = build_hierarchy(generate_rough_planet({.level = 5, .amplitude = 0.4, .frequency = 24.0}));
+  const Hierarchy rough =
+      build_hierarchy(generate("rough-planet", {{"level", 5}, {"amplitude", 0.4}, {"frequency", 24.0}}));
   const RefineObject objects[] = {
       {.hierarchy = &smooth},
       {.hierarchy = &rough, .object_to_world = glm::translate(glm::dmat4(1.0), {0.0, 3.0, 0.0})}};

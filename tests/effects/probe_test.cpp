@@ -28,7 +28,7 @@ TEST(Probe, FindsNothingHiddenInTheOpen) {
 
 // Nearly all errors are the spheres', and all of these are behind the wall, the coarse one as the fine one.
 TEST(Probe, FindsWhatAWallHides) {
-  const Hierarchy scene = build_hierarchy(generate_spheres_behind_wall({.spheres = 32, .level = 4}));
+  const Hierarchy scene = build_hierarchy(generate("spheres-behind-wall", {{"spheres", 32}, {"level", 4}}));
   const RefineObject objects[] = {{.hierarchy = &scene}};
   Probe probe(objects);
   const HiddenShares ahead = probe.look_ahead(before_wall(), some_budget()).all;
@@ -45,7 +45,7 @@ TEST(Probe, FindsWhatAWallHides) {
 // The wall is two triangles, which nothing refines, so the rest is hidden whole; and a quarter of the splits of a
 // height field have twice the error: about four times as many for each halving, less where it ends.
 TEST(Probe, CountsHowMuchFinerWhatIsVisibleCanBecome) {
-  const Hierarchy ground = build_hierarchy(generate_rough_planet({.level = 6}));
+  const Hierarchy ground = build_hierarchy(generate("rough-planet", {{"level", 6}}));
   const RefineObject objects[] = {{.hierarchy = &ground}};
   Probe probe(objects);
   RefineOptions options;
@@ -61,7 +61,7 @@ TEST(Probe, CountsHowMuchFinerWhatIsVisibleCanBecome) {
 // Refinement without occlusion ends where the walks say, within a factor of two, although they know no forced splits
 // and not how much of a star is seen.
 TEST(Probe, KnowsWhereTheBudgetEnds) {
-  const Hierarchy planet = build_hierarchy(generate_rough_planet({.level = 6}));
+  const Hierarchy planet = build_hierarchy(generate("rough-planet", {{"level", 6}}));
   const RefineObject objects[] = {{.hierarchy = &planet}};
   Probe probe(objects);
   Refiner refiner(objects);

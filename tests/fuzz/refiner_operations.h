@@ -62,7 +62,7 @@ class RefinerOperations {
 
  private:
   static const Hierarchy& planet() {
-    static const Hierarchy hierarchy = build_hierarchy(generate_rough_planet({.level = 4}));
+    static const Hierarchy hierarchy = build_hierarchy(generate("rough-planet", {{"level", 4}}));
     return hierarchy;
   }
 

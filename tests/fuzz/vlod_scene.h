@@ -33,7 +33,7 @@ class VlodScene {
   }
 
  private:
-  Hierarchy planet_ = build_hierarchy(generate_rough_planet({.level = 2}));
+  Hierarchy planet_ = build_hierarchy(generate("rough-planet", {{"level", 2}}));
 };
 
 }  // namespace occlod::fuzz

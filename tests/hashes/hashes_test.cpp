@@ -59,14 +59,15 @@ Camera camera(glm::dvec3 eye, glm::dvec3 target, glm::dvec3 up, double far) {
 std::vector<Scene> scenes() {
   const glm::dvec3 y{0.0, 1.0, 0.0}, z{0.0, 0.0, 1.0};
   std::vector<Scene> scenes;
-  scenes.push_back({"planet", generate_rough_planet({.level = 6}), camera({0.0, 1.15, 0.1}, {0.0, 0.95, -0.5}, y, 8.0),
+  scenes.push_back({"planet", generate("rough-planet", {{"level", 6}}),
+                    camera({0.0, 1.15, 0.1}, {0.0, 0.95, -0.5}, y, 8.0),
                     camera({0.1, 1.1, -0.3}, {0.0, 0.8, -0.9}, y, 8.0)});
-  scenes.push_back({"city", generate_city({.blocks = 5, .facade_cells = 6}),
+  scenes.push_back({"city", generate("city", {{"blocks", 5}, {"facade_cells", 6}}),
                     camera({60.0, 121.0, 1.7}, {250.0, 120.0, 8.0}, z, 1024.0),
                     camera({140.0, 120.0, 40.0}, {250.0, 150.0, 10.0}, z, 1024.0)});
-  scenes.push_back({"pipes", generate_pipes({.pipes = 32}), camera({0.5, 0.5, 1.6}, {0.5, 0.5, 0.5}, y, 8.0),
+  scenes.push_back({"pipes", generate("pipes", {{"pipes", 32}}), camera({0.5, 0.5, 1.6}, {0.5, 0.5, 0.5}, y, 8.0),
                     camera({1.2, 0.6, 0.9}, {0.4, 0.5, 0.5}, y, 8.0)});
-  scenes.push_back({"spheres_behind_wall", generate_spheres_behind_wall({.spheres = 32, .level = 3}),
+  scenes.push_back({"spheres_behind_wall", generate("spheres-behind-wall", {{"spheres", 32}, {"level", 3}}),
                     camera({3.0, 0.2, 0.1}, {0.0, 0.0, 0.0}, z, 16.0),
                     camera({1.5, 2.0, 0.6}, {-0.5, 0.0, 0.0}, z, 16.0), true});
   return scenes;

@@ -43,8 +43,8 @@ TEST(BuildHlod, EveryKindOfMeshBuildsValidatesAndComesBack) {
       {"double_sided_quad", occlod::test::double_sided_quad()},
       {"book", occlod::test::book(300)},
       {"many_tetrahedra", occlod::test::many_tetrahedra(500)},
-      {"city", generate_city({.blocks = 4, .facade_cells = 8})},
-      {"spheres_behind_wall", generate_spheres_behind_wall({.spheres = 12, .level = 3, .wall_cells = 20})}};
+      {"city", generate("city", {{"blocks", 4}, {"facade_cells", 8}})},
+      {"spheres_behind_wall", generate("spheres-behind-wall", {{"spheres", 12}, {"level", 3}, {"wall_cells", 20}})}};
   for (const auto& [name, mesh] : meshes)
     for (const auto& [grouping, borders] : all_kinds) {
       SCOPED_TRACE(std::string(name) + (grouping == Grouping::nested ? " nested" : " shifted") +

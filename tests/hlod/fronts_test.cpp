@@ -54,12 +54,12 @@ TriangleMesh terrain_with_holes(int n) {
 TEST(Fronts, TenThousandRandomFrontsHaveTheBoundaryOfTheInput) {
   EXPECT_EQ(violation_of(small_hlod(occlod::test::noisy_sphere(6, 1)), 10'000), "");
   EXPECT_EQ(violation_of(small_hlod(terrain_with_holes(100)), 10'000), "");
-  EXPECT_EQ(violation_of(small_hlod(generate_city({.blocks = 5, .facade_cells = 6})), 10'000), "");
+  EXPECT_EQ(violation_of(small_hlod(generate("city", {{"blocks", 5}, {"facade_cells", 6}})), 10'000), "");
 }
 
 TEST(Fronts, AThousandWithCutsWithinNodesToo) {
-  for (const TriangleMesh& mesh :
-       {occlod::test::noisy_sphere(6, 1), terrain_with_holes(100), generate_city({.blocks = 5, .facade_cells = 6})}) {
+  for (const TriangleMesh& mesh : {occlod::test::noisy_sphere(6, 1), terrain_with_holes(100),
+                                   generate("city", {{"blocks", 5}, {"facade_cells", 6}})}) {
     BuildOptions options;
     options.node_triangles = 64;
     options.within = Within::splits;

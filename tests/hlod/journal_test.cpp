@@ -388,7 +388,7 @@ TEST_F(Journal, AFolderThatIsNotThereIsTold) {
 // The arrays lie in files, then in memory, and half of the journal is there.
 TEST_F(Journal, MemoryMayDiffer) {
   const TriangleSource planet = [](TriangleSink& sink) {
-    stream_rough_planet({.level = 8}, [&](const TriangleMesh& piece, std::size_t) { sink.add(piece); });
+    stream_generated("rough-planet", {{"level", 8}}, [&](const TriangleMesh& piece, std::size_t) { sink.add(piece); });
   };
   std::size_t found = 0;
   BuildOptions options;

@@ -52,7 +52,7 @@ std::vector<glm::dvec3> eyes_around(const Hlod& hlod) {
 TEST(ScreenError, IsNeverLessThanAChilds) {
   for (const Grouping grouping : {Grouping::shifted, Grouping::nested})
     for (const TriangleMesh& mesh :
-         {occlod::test::noisy_sphere(6, 1), generate_city({.blocks = 3, .facade_cells = 8})}) {
+         {occlod::test::noisy_sphere(6, 1), generate("city", {{"blocks", 3}, {"facade_cells", 8}})}) {
       BuildOptions options;
       options.node_triangles = 64;
       options.grouping = grouping;

@@ -149,7 +149,7 @@ TEST(StreamedHlod, WhatCannotBeBuiltIsRefused) {
 
 TEST(StreamedHlod, ALimitOfMemoryChangesNothing) {
   const TriangleSource planet = [](TriangleSink& sink) {
-    stream_rough_planet({.level = 9}, [&](const TriangleMesh& piece, std::size_t) { sink.add(piece); });
+    stream_generated("rough-planet", {{"level", 9}}, [&](const TriangleMesh& piece, std::size_t) { sink.add(piece); });
   };
   MeshReport report;
   const Hlod free = build_hlod(planet, {}, report);
@@ -178,9 +178,9 @@ TEST(StreamedHlod, APositionThatDiffersIsFound) {
 
 TEST(StreamRoughPlanet, PiecesAreTheWholeMesh) {
   for (const int level : {0, 3, 8}) {
-    const TriangleMesh whole = generate_rough_planet({.level = level});
+    const TriangleMesh whole = generate("rough-planet", {{"level", level}});
     std::size_t triangles = 0;
-    stream_rough_planet({.level = level}, [&](const TriangleMesh& piece, std::size_t) {
+    stream_generated("rough-planet", {{"level", level}}, [&](const TriangleMesh& piece, std::size_t) {
       for (const Triangle& t : piece.triangles) {
         for (int k = 0; k < 3; ++k)
           ASSERT_EQ(piece.positions[t[k]], whole.positions[whole.triangles[triangles][k]]) << triangles;

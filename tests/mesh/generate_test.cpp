@@ -6,6 +6,7 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "occlod/base.h"
@@ -57,7 +58,7 @@ std::vector<TriangleMesh> split(const TriangleMesh& mesh) {
 TEST(RoughPlanet, HasTheCountsOfASubdividedOctahedron) {
   std::size_t quarter = 1;
   for (int level = 0; level <= 5; ++level, quarter *= 4) {
-    const TriangleMesh mesh = generate_rough_planet({.level = level});
+    const TriangleMesh mesh = generate("rough-planet", {{"level", level}});
     EXPECT_EQ(mesh.vertex_count(), 4 * quarter + 2);
     EXPECT_EQ(mesh.triangle_count(), 8 * quarter);
     expect_closed(mesh, 1);
@@ -65,7 +66,7 @@ TEST(RoughPlanet, HasTheCountsOfASubdividedOctahedron) {
 }
 
 TEST(RoughPlanet, StaysWithinItsAmplitudeAndFacesOutward) {
-  const TriangleMesh mesh = generate_rough_planet({.level = 6, .amplitude = 0.05});
+  const TriangleMesh mesh = generate("rough-planet", {{"level", 6}, {"amplitude", 0.05}});
   double lowest = 2.0;
   double highest = 0.0;
   for (const glm::vec3& p : mesh.positions) {
@@ -84,7 +85,7 @@ TEST(RoughPlanet, StaysWithinItsAmplitudeAndFacesOutward) {
 
 // The warp of the lattice: areas differ by sqrt(3) in the limit, between face centres and octahedron corners.
 TEST(RoughPlanet, HasEvenTrianglesWithoutNoise) {
-  const TriangleMesh mesh = generate_rough_planet({.level = 6, .amplitude = 0.0});
+  const TriangleMesh mesh = generate("rough-planet", {{"level", 6}, {"amplitude", 0.0}});
   double smallest = 1.0;
   double largest = 0.0;
   for (const Triangle& t : mesh.triangles) {
@@ -98,14 +99,15 @@ TEST(RoughPlanet, HasEvenTrianglesWithoutNoise) {
 }
 
 TEST(RoughPlanet, DependsOnTheSeedOnly) {
-  const auto positions = [](std::uint64_t seed) { return generate_rough_planet({.level = 4, .seed = seed}).positions; };
+  const auto positions = [](std::uint64_t seed) {
+    return generate("rough-planet", {{"level", 4}, {"seed", seed}}).positions;
+  };
   EXPECT_EQ(positions(1), positions(1));
   EXPECT_NE(positions(1), positions(2));
 }
 
 TEST(City, IsMadeOfClosedBoxes) {
-  const CityOptions options{.blocks = 3, .facade_cells = 4, .seed = 2};
-  const TriangleMesh mesh = generate_city(options);
+  const TriangleMesh mesh = generate("city", {{"blocks", 3}, {"facade_cells", 4}, {"seed", 2}});
   expect_closed(mesh, 1 + 4 * 9);  // the ground and four buildings a block
   for (const TriangleMesh& part : split(mesh)) EXPECT_GT(signed_volume(part), 0.0);
   // The ground has 6 x 6 x 1 cells: 2 * 2 * (36 + 6 + 6) triangles; a building 6 sides of 2 * 4^2.
@@ -114,10 +116,10 @@ TEST(City, IsMadeOfClosedBoxes) {
   EXPECT_TRUE(std::none_of(mesh.positions.begin(), mesh.positions.end(), below_zero));
 }
 
-TEST(City, WorksWithOneCell) { expect_closed(generate_city({.blocks = 1, .facade_cells = 1}), 5); }
+TEST(City, WorksWithOneCell) { expect_closed(generate("city", {{"blocks", 1}, {"facade_cells", 1}}), 5); }
 
 TEST(Pipes, AreClosedAndInTheUnitCube) {
-  const TriangleMesh mesh = generate_pipes({.pipes = 20, .bends = 9, .sides = 7, .seed = 3});
+  const TriangleMesh mesh = generate("pipes", {{"pipes", 20}, {"bends", 9}, {"sides", 7}, {"seed", 3}});
   expect_closed(mesh, 20);
   // A pipe has bends + 1 rings and two centres; two triangles for each side of each piece and one for each side of a
   // cap.
@@ -135,15 +137,15 @@ TEST(Pipes, AreClosedAndInTheUnitCube) {
 TEST(Pipes, OneStraightPipeHasTheVolumeOfAPrism) {
   // A regular n-gon of radius r has area n/2 r^2 sin(2 pi / n); r lies in [0.003, 0.009] and the length in [2/48,
   // 16/48].
-  const double volume = signed_volume(generate_pipes({.pipes = 1, .bends = 1, .sides = 4}));
+  const double volume = signed_volume(generate("pipes", {{"pipes", 1}, {"bends", 1}, {"sides", 4}}));
   EXPECT_GT(volume, 2.0 * 0.003 * 0.003 * 2.0 / 48.0 * 0.999);
   EXPECT_LT(volume, 2.0 * 0.009 * 0.009 * 16.0 / 48.0 * 1.001);
 }
 
 // Floors and walls have an outside, an inside that doors and the shaft connect, and nothing else; two bundles a bay.
 TEST(Plant, IsOneClosedStructureAndPipesBesideTheAisle) {
-  const PlantOptions options{.storeys = 2, .bays = 3, .pipes = 4, .bends = 5, .sides = 6, .seed = 7};
-  const TriangleMesh mesh = generate_plant(options);
+  const TriangleMesh mesh =
+      generate("plant", {{"storeys", 2}, {"bays", 3}, {"pipes", 4}, {"bends", 5}, {"sides", 6}, {"seed", 7}});
   expect_closed(mesh, 2 + 2 * 3 * 2 * 4);
   // The structure comes first, then pipes of 5 * 6 sides and two caps, with 6 rings and two centres.
   constexpr std::size_t pipes = 2 * 3 * 2 * 4, pipe_triangles = 2 * 5 * 6 + 2 * 6, pipe_vertices = 6 * 6 + 2;
@@ -158,7 +160,7 @@ TEST(Plant, IsOneClosedStructureAndPipesBesideTheAisle) {
 
 // The aisle is free from one end to the other, and up the shaft.
 TEST(Plant, CanBeWalkedThrough) {
-  const TriangleMesh mesh = generate_plant({.storeys = 2, .bays = 3, .pipes = 4, .bends = 5, .sides = 6});
+  const TriangleMesh mesh = generate("plant", {{"storeys", 2}, {"bays", 3}, {"pipes", 4}, {"bends", 5}, {"sides", 6}});
   const auto blocks = [&](const glm::vec3& a, const glm::vec3& b) {
     return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
       const glm::vec3 &p = mesh.positions[t.x], &q = mesh.positions[t.y], &r = mesh.positions[t.z];
@@ -178,7 +180,7 @@ TEST(Plant, CanBeWalkedThrough) {
 }
 
 TEST(SpheresBehindWall, HidesTheSpheresBehindAClosedWall) {
-  const TriangleMesh mesh = generate_spheres_behind_wall({.spheres = 10, .level = 2, .wall_cells = 3});
+  const TriangleMesh mesh = generate("spheres-behind-wall", {{"spheres", 10}, {"level", 2}, {"wall_cells", 3}});
   expect_closed(mesh, 11);
   const std::vector<TriangleMesh> parts = split(mesh);
   ASSERT_EQ(parts.size(), 11u);
@@ -194,17 +196,46 @@ TEST(SpheresBehindWall, HidesTheSpheresBehindAClosedWall) {
   }
 }
 
+// Returns what is wrong with a call, as its error says it.
+std::string mistake(const char* generator, const GeneratorValues& values) {
+  try {
+    static_cast<void>(generate(generator, values));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
 TEST(Generators, RefuseOptionsOutOfRange) {
-  EXPECT_THROW(static_cast<void>(generate_rough_planet({.level = 12})), Error);
-  EXPECT_THROW(static_cast<void>(generate_rough_planet({.level = -1})), Error);
-  EXPECT_THROW(static_cast<void>(generate_rough_planet({.amplitude = std::numeric_limits<double>::quiet_NaN()})),
-               Error);
-  EXPECT_THROW(static_cast<void>(generate_city({.blocks = 0})), Error);
-  EXPECT_THROW(static_cast<void>(generate_city({.blocks = 256, .facade_cells = 256})), Error);
-  EXPECT_THROW(static_cast<void>(generate_pipes({.sides = 2})), Error);
-  EXPECT_THROW(static_cast<void>(generate_plant({.storeys = 0})), Error);
-  EXPECT_THROW(static_cast<void>(generate_plant({.pipes = 10'000, .bends = 100'000})), Error);
-  EXPECT_THROW(static_cast<void>(generate_spheres_behind_wall({.level = 9})), Error);
+  EXPECT_NE(mistake("rough-planet", {{"level", 12}}), "");
+  EXPECT_NE(mistake("rough-planet", {{"level", -1}}), "");
+  EXPECT_NE(mistake("rough-planet", {{"amplitude", std::numeric_limits<double>::quiet_NaN()}}), "");
+  EXPECT_NE(mistake("city", {{"blocks", 0}}), "");
+  EXPECT_NE(mistake("city", {{"blocks", 256}, {"facade_cells", 256}}), "");
+  EXPECT_NE(mistake("pipes", {{"sides", 2}}), "");
+  EXPECT_NE(mistake("plant", {{"storeys", 0}}), "");
+  EXPECT_NE(mistake("plant", {{"pipes", 10'000}, {"bends", 100'000}}), "");
+  EXPECT_NE(mistake("spheres-behind-wall", {{"level", 9}}), "");
+  EXPECT_NE(mistake("spheres-behind-wall", {{"spheres", 1'000'000}, {"level", 8}}), "");
+}
+
+TEST(Generators, SayWhatTheyTake) {
+  EXPECT_EQ(mistake("city", {{"blocks", 1.5}}),
+            "city: option blocks: 1.5 is out of range; choose a whole number from 1 to 256");
+  EXPECT_EQ(mistake("city", {{"level", 1}}),
+            "city: option level: is not known; use one of: blocks, facade_cells, seed");
+  EXPECT_NE(mistake("village", {}).find("use one of: rough-planet, city, pipes, plant, spheres-behind-wall"),
+            std::string::npos);
+  // 2^53 + 1 is 2^53 as a double: no larger number passes for another seed.
+  EXPECT_EQ(mistake("city", {{"blocks", 1}, {"seed", 0x1p53 - 1}}), "");
+  EXPECT_EQ(mistake("city", {{"blocks", 1}, {"seed", (std::uint64_t{1} << 53U) + 1}}),
+            "city: option seed: 9007199254740992 is out of range; choose a whole number from 0 to 9007199254740991");
+}
+
+TEST(Generators, TakeTheirOwnDefaults) {
+  for (const Generator& generator : generators())
+    for (const GeneratorParameter& parameter : generator.parameters)
+      EXPECT_TRUE(parameter.accepts(parameter.default_value)) << generator.name << " " << parameter.name;
 }
 
 // All parts, one after the other, without the vertices that repeat others.
@@ -225,25 +256,24 @@ TriangleMesh joined(const std::function<void(const PartVisitor& visit)>& parts, 
   return mesh;
 }
 
-template <class Options>
-void expect_parts(const Options& options, TriangleMesh (*generate)(const Options&),
-                  void (*stream)(const Options&, const PartVisitor&), std::size_t least) {
+void expect_parts(const char* generator, const GeneratorValues& values, std::size_t least) {
   std::size_t count = 0;
-  const TriangleMesh parts = joined([&](const PartVisitor& visit) { stream(options, visit); }, count);
-  const TriangleMesh whole = generate(options);
+  const TriangleMesh parts =
+      joined([&](const PartVisitor& visit) { stream_generated(generator, values, visit); }, count);
+  const TriangleMesh whole = generate(generator, values);
   EXPECT_EQ(parts.positions, whole.positions);
   EXPECT_EQ(parts.triangles, whole.triangles);
   EXPECT_GE(count, least);
 }
 
 TEST(Generated, PartsAreTheWhole) {
-  expect_parts(RoughPlanetOptions{.level = 9}, generate_rough_planet, stream_rough_planet, 4);
-  expect_parts(RoughPlanetOptions{.level = 0}, generate_rough_planet, stream_rough_planet, 1);
-  expect_parts(CityOptions{}, generate_city, stream_city, 3);
-  expect_parts(CityOptions{.blocks = 1}, generate_city, stream_city, 1);
-  expect_parts(PipesOptions{.pipes = 1500}, generate_pipes, stream_pipes, 2);
-  expect_parts(PlantOptions{.storeys = 1, .bays = 2}, generate_plant, stream_plant, 2);
-  expect_parts(SpheresBehindWallOptions{.spheres = 300}, generate_spheres_behind_wall, stream_spheres_behind_wall, 2);
+  expect_parts("rough-planet", {{"level", 9}}, 4);
+  expect_parts("rough-planet", {{"level", 0}}, 1);
+  expect_parts("city", {}, 3);
+  expect_parts("city", {{"blocks", 1}}, 1);
+  expect_parts("pipes", {{"pipes", 1500}}, 2);
+  expect_parts("plant", {{"storeys", 1}, {"bays", 2}}, 2);
+  expect_parts("spheres-behind-wall", {{"spheres", 300}}, 2);
 }
 
 }  // namespace

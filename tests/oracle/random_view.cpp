@@ -58,13 +58,13 @@ std::string label(SceneKind kind) {
 TriangleMesh scene_mesh(SceneKind kind) {
   switch (kind) {
     case SceneKind::planet:
-      return generate_rough_planet({.level = 5});
+      return generate("rough-planet", {{"level", 5}});
     case SceneKind::pipes:
-      return generate_pipes({.pipes = 40, .bends = 8, .sides = 8});
+      return generate("pipes", {{"pipes", 40}, {"bends", 8}, {"sides", 8}});
     case SceneKind::city:
-      return generate_city({.blocks = 5, .facade_cells = 2});
+      return generate("city", {{"blocks", 5}, {"facade_cells", 2}});
     case SceneKind::spheres_behind_wall:
-      return generate_spheres_behind_wall({.spheres = 24, .level = 2, .wall_cells = 8});
+      return generate("spheres-behind-wall", {{"spheres", 24}, {"level", 2}, {"wall_cells", 8}});
     default:
       return random_soup();
   }

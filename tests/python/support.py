@@ -15,7 +15,7 @@ def tetrahedron():
 
 def planet(level=4):
     """A mesh of 8 * 4**level triangles, and its hierarchy."""
-    mesh = occlod.generate_rough_planet(level=level)
+    mesh = occlod.generate("rough-planet", level=level)
     return mesh, occlod.build_hierarchy(mesh)
 
 

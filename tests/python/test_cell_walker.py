@@ -55,7 +55,7 @@ class Walking(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         cls.folder = pathlib.Path(folder.name)
-        mesh = occlod.generate_rough_planet(level=5)
+        mesh = occlod.generate("rough-planet", level=5)
         colors = numpy.full((len(mesh.positions), 4), (1, 2, 3, 255), numpy.uint8)
         cls.hierarchy = occlod.build_hierarchy(occlod.Mesh(mesh.positions, mesh.triangles, colors=colors))
         cls.objects = [occlod.Object(cls.hierarchy), occlod.Object(cls.hierarchy, transform=numpy.diag([0.5, 0.5, 0.5, 1]), two_sided=True)]

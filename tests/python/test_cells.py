@@ -88,7 +88,7 @@ class Occluders(unittest.TestCase):
 class Cuts(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.city = occlod.build_hierarchy(occlod.generate_city(blocks=3, facade_cells=4))
+        cls.city = occlod.build_hierarchy(occlod.generate("city", blocks=3, facade_cells=4))
         cls.cell = occlod.CellBox((58, 58, 1), (62, 62, 2.5))
         cls.camera = occlod.Camera(width=128, height=128, fov_y_deg=90, near=0.1, far=1000)
         cls.options = occlod.CellOptions(eyes=occlod.eye_model(cls.camera))

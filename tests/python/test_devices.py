@@ -23,7 +23,7 @@ class OpenGL(unittest.TestCase):
             if "gl-query" not in occlod.visibility_names():
                 self.assertIn("without OpenGL", str(error))
             self.skipTest(f"SKIPPED: {error}")
-        hlod = occlod.build_hlod(occlod.generate_rough_planet(level=4), node_triangles=300)
+        hlod = occlod.build_hlod(occlod.generate("rough-planet", level=4), node_triangles=300)
         options = occlod.TraverseOptions(strategy=occlod.Strategy.vfc)
         software = occlod.Device.software()
         frames = [walk(occlod.Traverser(hlod), d, options, 1)[0] for d in (device, software)]
@@ -36,7 +36,7 @@ class OpenGL(unittest.TestCase):
 
 class Within(unittest.TestCase):
     def test_nodes_are_refined_within(self):
-        mesh = occlod.generate_rough_planet(level=6)
+        mesh = occlod.generate("rough-planet", level=6)
         hlod = occlod.build_hlod(mesh, node_triangles=500, within=occlod.Within.splits)
         view = occlod.Camera(eye=(0, 0, 3), width=256, height=192)
         drawn = {}
@@ -64,7 +64,7 @@ class Within(unittest.TestCase):
             drawn[True].cut(len(cuts))
 
     def test_cuts_lie_between_a_node_and_what_it_was_made_from(self):
-        hlod = occlod.build_hlod(occlod.generate_rough_planet(level=5), node_triangles=300, within=occlod.Within.splits)
+        hlod = occlod.build_hlod(occlod.generate("rough-planet", level=5), node_triangles=300, within=occlod.Within.splits)
         (root,) = hlod.roots
         self.assertTrue(hlod.has_within(root))
         coarse, fine = hlod.node(root).error, hlod.node(root).child_error
@@ -75,7 +75,7 @@ class Within(unittest.TestCase):
         numpy.testing.assert_array_equal(hlod.within_positions(root)[: hlod.node(root).vertices], hlod.mesh(root).positions)
         with self.assertRaises(ValueError):
             hlod.within_cut(root, -1)
-        plain = occlod.build_hlod(occlod.generate_rough_planet(level=3))
+        plain = occlod.build_hlod(occlod.generate("rough-planet", level=3))
         with self.assertRaisesRegex(occlod.Error, "splits"):
             plain.within_cut(0, 0)
 
@@ -84,8 +84,8 @@ class ScenesAsHlods(unittest.TestCase):
     def test_are_built_and_read(self):
         with tempfile.TemporaryDirectory() as folder:
             at = pathlib.Path(folder)
-            occlod.generate_rough_planet(level=4).write(at / "a.ply")
-            occlod.build_hlod(occlod.generate_rough_planet(level=3)).write(at / "b.ohlod")
+            occlod.generate("rough-planet", level=4).write(at / "a.ply")
+            occlod.build_hlod(occlod.generate("rough-planet", level=3)).write(at / "b.ohlod")
             away = numpy.eye(4)
             away[0, 3] = 5
             scene = occlod.Scene([occlod.SceneObject(occlod.MeshFile(["a.ply"])), occlod.SceneObject(occlod.MeshFile(["b.ohlod"]), away)],

@@ -61,7 +61,7 @@ class Documents(unittest.TestCase):
         names = {}
         said = io.StringIO()
         with working_folder() as folder, contextlib.redirect_stdout(said):
-            occlod.generate_rough_planet(level=6).write(folder / "statue.ply")
+            occlod.generate("rough-planet", level=6).write(folder / "statue.ply")
             scene = occlod.Scene([occlod.SceneObject(occlod.MeshFile(["statue.ply"]))], {"default": occlod.Camera()},
                                  {"walk": occlod.CameraPath([occlod.Camera(), occlod.Camera(eye=(0, 1, 3))], 5)})
             scene.write(folder / "city.json")

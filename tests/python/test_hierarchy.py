@@ -94,7 +94,7 @@ class Build(unittest.TestCase):
 
     def test_progress_rises_and_may_end_it(self):
         told = []
-        mesh = occlod.generate_rough_planet(level=8)
+        mesh = occlod.generate("rough-planet", level=8)
         occlod.build_hierarchy(mesh, progress=told.append)
         self.assertGreater(len(told), 1)
         self.assertEqual(told, sorted(told))
@@ -108,7 +108,7 @@ class Build(unittest.TestCase):
     def test_ctrl_c_ends_it(self):
         # Programs in the background of a script ignore Ctrl-C; this one is not to.
         self.addCleanup(signal.signal, signal.SIGINT, signal.signal(signal.SIGINT, signal.default_int_handler))
-        mesh = occlod.generate_rough_planet(level=6)
+        mesh = occlod.generate("rough-planet", level=6)
         with self.assertRaises(KeyboardInterrupt):
             occlod.build_hierarchy(mesh, progress=lambda done: os.kill(os.getpid(), signal.SIGINT))
 
@@ -118,7 +118,7 @@ class Build(unittest.TestCase):
         interval = sys.getswitchinterval()
         sys.setswitchinterval(1000)
         self.addCleanup(sys.setswitchinterval, interval)
-        mesh = occlod.generate_rough_planet(level=7)
+        mesh = occlod.generate("rough-planet", level=7)
         counted, is_over = [0], threading.Event()
 
         def count():

@@ -10,6 +10,31 @@ import occlod
 from support import box_of_charts, corners, looks, tetrahedron
 
 
+class Generators(unittest.TestCase):
+    def test_have_defaults_that_they_accept(self):
+        names = [generator.name for generator in occlod.generators()]
+        self.assertIn("rough-planet", names)
+        for generator in occlod.generators():
+            self.assertIn(generator.about, occlod.generate.__doc__)
+            for parameter in generator.parameters:
+                self.assertTrue(parameter.accepts(parameter.default_value), (generator.name, parameter.name))
+                self.assertFalse(parameter.accepts(parameter.min - 1))
+
+    def test_are_called_by_name(self):
+        self.assertEqual(len(occlod.generate("rough-planet", level=2).triangles), 8 * 4**2)
+        smooth, rough = (occlod.generate("rough-planet", level=2, amplitude=amplitude).positions for amplitude in (0, 0.5))
+        numpy.testing.assert_allclose(numpy.linalg.norm(smooth, axis=1), 1, rtol=1e-6)
+        self.assertGreater(numpy.ptp(numpy.linalg.norm(rough, axis=1)), 0.1)
+
+    def test_say_what_they_take(self):
+        for name, values, told in (("village", {}, "use one of: rough-planet, city"), ("city", {"level": 1}, "use one of: blocks, facade_cells, seed"),
+                                   ("city", {"blocks": 0}, "choose a whole number from 1 to 256"), ("city", {"seed": 2**53 + 1}, "from 0 to 9007199254740991")):
+            with self.subTest(name, **values), self.assertRaisesRegex(occlod.Error, told):
+                occlod.generate(name, **values)
+        with self.assertRaisesRegex(TypeError, "blocks is not a number"):
+            occlod.generate("city", blocks="x")
+
+
 class Arrays(unittest.TestCase):
     def test_are_copied_in_whatever_their_type(self):
         positions, triangles = tetrahedron()
@@ -32,7 +57,7 @@ class Arrays(unittest.TestCase):
             self.assertTrue(numpy.shares_memory(array, getattr(mesh, name)), name)
 
     def test_views_keep_the_mesh_alive(self):
-        positions = occlod.generate_rough_planet(level=5).positions
+        positions = occlod.generate("rough-planet", level=5).positions
         before = positions.copy()
         gc.collect()
         junk = [numpy.full_like(before, 9) for _ in range(10)]  # would take the memory if it were free
@@ -168,7 +193,7 @@ class Wedges(unittest.TestCase):
 
 class Files(unittest.TestCase):
     def test_round_trip(self):
-        mesh = occlod.generate_city(blocks=1, facade_cells=2)
+        mesh = occlod.generate("city", blocks=1, facade_cells=2)
         with tempfile.TemporaryDirectory() as folder:
             for name in ("a.ply", "a.obj", "a.off"):
                 path = pathlib.Path(folder, name)
@@ -182,7 +207,7 @@ class Files(unittest.TestCase):
         told = []
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder, "a.ply")
-            occlod.generate_rough_planet(level=3).write(path)
+            occlod.generate("rough-planet", level=3).write(path)
             occlod.read_mesh(path, told.append)
             with self.assertRaises(ZeroDivisionError):
                 occlod.read_mesh(path, lambda done: 1 / 0)

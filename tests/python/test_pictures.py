@@ -219,7 +219,7 @@ class Hlods(unittest.TestCase):
 class Traversal(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.hlod = occlod.build_hlod(occlod.generate_rough_planet(level=6), node_triangles=500)
+        cls.hlod = occlod.build_hlod(occlod.generate("rough-planet", level=6), node_triangles=500)
         cls.view = occlod.Camera(eye=(0, 0, 3), width=256, height=192)
 
     def test_frame_is_what_the_device_drew(self):
@@ -259,7 +259,7 @@ class Traversal(unittest.TestCase):
         device = occlod.Device.software()
         with self.assertRaisesRegex(occlod.Error, "draw a frame first"):
             device.picture()
-        traverser = occlod.Traverser(occlod.HlodObject(occlod.build_hlod(occlod.generate_rough_planet(level=3))))
+        traverser = occlod.Traverser(occlod.HlodObject(occlod.build_hlod(occlod.generate("rough-planet", level=3))))
         before = traverser.draw_frame(self.view, device).draws
         away = numpy.eye(4)
         away[0, 3] = 100

@@ -190,7 +190,7 @@ class Objects(unittest.TestCase):
 class Backends(unittest.TestCase):
     def test_by_name(self):
         self.assertEqual(occlod.visibility_names()[:2], ["software", "none"])
-        mesh = occlod.generate_spheres_behind_wall(spheres=16, level=3)
+        mesh = occlod.generate("spheres-behind-wall", spheres=16, level=3)
         hierarchy = occlod.build_hierarchy(mesh)
         view = occlod.Camera(eye=(3, 0, 0), up=(0, 0, 1))
         refiner = occlod.Refiner(hierarchy)
@@ -288,7 +288,7 @@ class Leaks(unittest.TestCase):
 
     def test_nothing_is_left_at_the_end(self):
         # nanobind tells on stderr what is still alive when Python ends.
-        code = ("import occlod; h = occlod.build_hierarchy(occlod.generate_rough_planet(level=3)); r = occlod.Refiner(h); "
+        code = ("import occlod; h = occlod.build_hierarchy(occlod.generate('rough-planet', level=3)); r = occlod.Refiner(h); "
                 "x = r.update(occlod.Camera(), 100); t = x.triangles(); y = r.update(occlod.Camera(), 90)")
         ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=pathlib.Path(__file__).parent)
         self.assertEqual(ended.stderr, "")

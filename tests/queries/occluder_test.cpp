@@ -102,7 +102,7 @@ TEST(ConservativeOccluder, BallInParallelProjection) {
 
 // Long and narrow, and thin.
 TEST(ConservativeOccluder, Pipes) {
-  TriangleMesh mesh = generate_pipes({.pipes = 12, .bends = 8, .sides = 8});
+  TriangleMesh mesh = generate("pipes", {{"pipes", 12}, {"bends", 8}, {"sides", 8}});
   for (glm::vec3& p : mesh.positions) p = 2.0F * p - 1.0F;
   expect_conservative(mesh, {}, 0);
 }

@@ -21,7 +21,7 @@ namespace {
 class ScaledPlanets {
  public:
   explicit ScaledPlanets(int power) : scale_(std::ldexp(1.0, power)) {
-    TriangleMesh mesh = generate_rough_planet({.level = 4});
+    TriangleMesh mesh = generate("rough-planet", {{"level", 4}});
     for (glm::vec3& p : mesh.positions) p *= static_cast<float>(scale_);
     hierarchy_ = build_hierarchy(mesh);
   }

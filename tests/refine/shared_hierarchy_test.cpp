@@ -22,7 +22,7 @@ std::uint64_t refined_hash(const Hierarchy& hierarchy) {
 TEST(SharedHierarchy, ThreadsRefineOneFileThatIsCheckedAsItIsUsed) {
   // Some 16 blocks of splits, none of them checked yet when the threads begin; each thread needs nearly all of them.
   const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "occlod_shared_hierarchy.olod";
-  const Hierarchy built = build_hierarchy(generate_rough_planet({.level = 6}));
+  const Hierarchy built = build_hierarchy(generate("rough-planet", {{"level", 6}}));
   write_olod(path, built, {});
   for (int round = 0; round < 3; ++round) {
     const OlodFile file = read_olod(path);

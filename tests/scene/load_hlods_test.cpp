@@ -18,8 +18,8 @@ using test::scene_of;
 
 constexpr std::size_t planet_triangles = 8 * 64;  // 8 * 4^level
 
-SceneObject planet(double x, std::uint64_t seed = 1) {
-  SceneObject object{.source = RoughPlanetOptions{.level = 3, .seed = seed}};
+SceneObject planet(double x, double seed = 1) {
+  SceneObject object{.source = GeneratedMesh{"rough-planet", {{"level", 3}, {"seed", seed}}}};
   object.object_to_world[3] = {x, 0, 0, 1};
   return object;
 }

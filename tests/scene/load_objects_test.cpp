@@ -19,11 +19,13 @@ constexpr int level = 2;
 constexpr int reporting_level = 6;  // 16,386 vertices: builds of a few vertices are over before they report progress
 constexpr std::size_t planet_triangles = 128;  // 8 * 4^level
 
-SceneObject planet_that_reports() { return {.source = RoughPlanetOptions{.level = reporting_level}}; }
-
-SceneObject small_planet(std::uint64_t seed = 1) {
-  return {.source = RoughPlanetOptions{.level = level, .seed = seed}};
+SceneObject planet(int subdivisions, double seed = 1) {
+  return {.source = GeneratedMesh{"rough-planet", {{"level", subdivisions}, {"seed", seed}}}};
 }
+
+SceneObject planet_that_reports() { return planet(reporting_level); }
+
+SceneObject small_planet(double seed = 1) { return planet(level, seed); }
 
 class LoadObjects : public test::LoadedScenes {
  protected:
@@ -188,7 +190,7 @@ class DamagedCache : public LoadObjects {
     EXPECT_EQ(data.error_bound, expected_.error_bound);
   }
 
-  SceneObject planet_{.source = RoughPlanetOptions{.level = 4}};  // 2,048 triangles
+  SceneObject planet_ = planet(4);  // 2,048 triangles
   HierarchyData expected_;
 };
 

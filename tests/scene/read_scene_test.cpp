@@ -58,18 +58,19 @@ TEST_F(ReadScene, ReadsOneNameOrSeveral) {
 
 TEST_F(ReadScene, ReadsGeneratorsAndKeepsDefaults) {
   const SceneDescription scene = read(scene_text(
-      R"({"generator": "rough-planet", "options": {"level": 3, "seed": 18446744073709551615, "amplitude": 0.5}},
+      R"({"generator": "rough-planet", "options": {"level": 3, "seed": 9007199254740991, "amplitude": 0.5}},
          {"generator": "city", "options": {"blocks": 2}}, {"generator": "pipes"}, {"generator": "plant", "options": {"bays": 3}},
          {"generator": "spheres-behind-wall", "options": {"wall_cells": 7}})"));
-  const auto& planet = std::get<RoughPlanetOptions>(scene.objects.at(0).source);
-  EXPECT_EQ(planet.level, 3);
-  EXPECT_EQ(planet.seed, UINT64_MAX);
-  EXPECT_EQ(planet.amplitude, 0.5);
-  EXPECT_EQ(planet.octaves, RoughPlanetOptions{}.octaves);
-  EXPECT_EQ(std::get<CityOptions>(scene.objects.at(1).source).blocks, 2);
-  EXPECT_EQ(std::get<PipesOptions>(scene.objects.at(2).source).sides, PipesOptions{}.sides);
-  EXPECT_EQ(std::get<SpheresBehindWallOptions>(scene.objects.at(4).source).wall_cells, 7);
-  EXPECT_EQ(std::get<PlantOptions>(scene.objects.at(3).source).bays, 3);
+  const auto expect_made = [&](std::size_t object, const std::string& generator, const GeneratorValues& values) {
+    const auto& made = std::get<GeneratedMesh>(scene.objects.at(object).source);
+    EXPECT_EQ(made.generator, generator);
+    EXPECT_EQ(made.values, values);  // what is not in them has its default
+  };
+  expect_made(0, "rough-planet", {{"level", 3}, {"seed", 0x1p53 - 1}, {"amplitude", 0.5}});
+  expect_made(1, "city", {{"blocks", 2}});
+  expect_made(2, "pipes", {});
+  expect_made(3, "plant", {{"bays", 3}});
+  expect_made(4, "spheres-behind-wall", {{"wall_cells", 7}});
 }
 
 // Scale 2 first: (1,0,0) -> (2,0,0); a quarter turn around z: (0,2,0); then moved by (10,0,0). Any other order ends
@@ -170,7 +171,9 @@ TEST_F(ReadScene, NamesThePlaceOfTheMistake) {
       {R"({"generator": "city", "options": {"blocks": 1.5}})", "/objects/0/options/blocks"},
       {R"({"generator": "city", "options": {"blocks": -1}})", "/objects/0/options/blocks"},
       {R"({"generator": "city", "options": {"blocks": 2147483648}})", "/objects/0/options/blocks"},
+      {R"({"generator": "city", "options": {"blocks": 257}})", "/objects/0/options/blocks"},
       {R"({"generator": "city", "options": {"seed": -1}})", "/objects/0/options/seed"},
+      {R"({"generator": "city", "options": {"seed": 9007199254740993}})", "/objects/0/options/seed"},
       {R"({"mesh": "a", "scale": "2"})", "/objects/0/scale"},
       {R"({"mesh": "a", "scale": 0})", "/objects/0/scale"},
       {R"({"mesh": "a", "two_sided": 1})", "/objects/0/two_sided"},

@@ -172,10 +172,10 @@ struct Corners : hlod::TriangleSink {
 TEST(StreamedGenerators, GiveTheTrianglesOfTheWhole) {
   SceneDescription scene;
   scene.objects.resize(4);
-  scene.objects[0].source = CityOptions{.facade_cells = 6};
-  scene.objects[1].source = PipesOptions{};
-  scene.objects[2].source = PlantOptions{.storeys = 1, .bays = 1, .pipes = 4};
-  scene.objects[3].source = SpheresBehindWallOptions{.spheres = 20};
+  scene.objects[0].source = GeneratedMesh{"city", {{"facade_cells", 6}}};
+  scene.objects[1].source = GeneratedMesh{"pipes", {}};
+  scene.objects[2].source = GeneratedMesh{"plant", {{"storeys", 1}, {"bays", 1}, {"pipes", 4}}};
+  scene.objects[3].source = GeneratedMesh{"spheres-behind-wall", {{"spheres", 20}}};
   for (std::size_t i = 0; i < 4; ++i) scene.objects[i].object_to_world[3].x = 2000.0 * static_cast<double>(i);
   Corners streamed, whole;
   stream_scene(scene, "")(streamed);

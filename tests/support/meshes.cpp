@@ -74,10 +74,10 @@ TriangleMesh tetrahedron() {
   return mesh;
 }
 
-TriangleMesh octahedron_sphere(int level) { return generate_rough_planet({.level = level, .amplitude = 0.0}); }
+TriangleMesh octahedron_sphere(int level) { return generate("rough-planet", {{"level", level}, {"amplitude", 0.0}}); }
 
 TriangleMesh noisy_sphere(int level, std::uint64_t seed) {
-  return generate_rough_planet({.level = level, .seed = seed});
+  return generate("rough-planet", {{"level", level}, {"seed", seed}});
 }
 
 TriangleMesh torus(int nu, int nv) {

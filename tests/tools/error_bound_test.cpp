@@ -35,11 +35,7 @@ void expect_tight(const TriangleMesh& mesh) {
   EXPECT_LE(ratios[ratios.size() / 2], 3.0);
 }
 
-TEST(ErrorBound, IsTightOnAPlanet) {
-  RoughPlanetOptions options;
-  options.level = 6;
-  expect_tight(generate_rough_planet(options));
-}
+TEST(ErrorBound, IsTightOnAPlanet) { expect_tight(generate("rough-planet", {{"level", 6}})); }
 
 class ErrorBoundOfScan : public testing::TestWithParam<const char*> {};
 

@@ -23,12 +23,12 @@ Hlod small_hlod(const TriangleMesh& mesh, Grouping grouping) {
 }
 
 const Hlod& city(Grouping grouping) {
-  static const std::array<Hlod, 2> hlods = in_both_groupings(generate_city({.blocks = 5, .facade_cells = 5}));
+  static const std::array<Hlod, 2> hlods = in_both_groupings(generate("city", {{"blocks", 5}, {"facade_cells", 5}}));
   return hlods[grouping == Grouping::shifted ? 1 : 0];
 }
 
 const Hlod& planet(Grouping grouping) {
-  static const std::array<Hlod, 2> hlods = in_both_groupings(generate_rough_planet({.level = 5}));
+  static const std::array<Hlod, 2> hlods = in_both_groupings(generate("rough-planet", {{"level", 5}}));
   return hlods[grouping == Grouping::shifted ? 1 : 0];
 }
 

@@ -23,7 +23,7 @@ using namespace test;
 // The rough planet of the other tests, with splits.
 const Hlod& refinable() {
   static const Hlod hlod =
-      build_hlod(generate_rough_planet({.level = 5}), {.node_triangles = 64, .within = Within::splits});
+      build_hlod(generate("rough-planet", {{"level", 5}}), {.node_triangles = 64, .within = Within::splits});
   return hlod;
 }
 

@@ -31,7 +31,7 @@ struct CellScene {
 
 CellScene city() {
   return {"city",
-          generate_city({.blocks = 3, .facade_cells = 4}),
+          generate("city", {{"blocks", 3}, {"facade_cells", 4}}),
           0.5,
           0.1,
           {around({60, 60, 1.7}, {4, 4, 1.5}), around({60, 90, 1.7}, {8, 8, 1.5}), around({90, 70, 30}, {8, 8, 8}),
@@ -39,7 +39,7 @@ CellScene city() {
 }
 CellScene planet() {
   return {"planet",
-          generate_rough_planet({.level = 4}),
+          generate("rough-planet", {{"level", 4}}),
           0.02,
           0.01,
           {around({0, 0, 1.2}, glm::dvec3(0.1)), around({0.7, 0.7, 0.7}, glm::dvec3(0.05)),
@@ -47,7 +47,7 @@ CellScene planet() {
 }
 CellScene spheres_behind_wall() {
   return {"spheres_behind_wall",
-          generate_spheres_behind_wall({.spheres = 24, .level = 2, .wall_cells = 8}),
+          generate("spheres-behind-wall", {{"spheres", 24}, {"level", 2}, {"wall_cells", 8}}),
           0.02,
           0.01,
           {around({1, 0, 0}, glm::dvec3(0.5)), around({0.3, 0.9, 0}, glm::dvec3(0.2)),
@@ -162,7 +162,7 @@ bool is_subset(const std::vector<SplitId>& inner, const std::vector<SplitId>& ou
 }
 
 TEST(CellBuilder, CutsAreClosed) {
-  const Hierarchy hierarchy = build_hierarchy(generate_city({.blocks = 2, .facade_cells = 4}));
+  const Hierarchy hierarchy = build_hierarchy(generate("city", {{"blocks", 2}, {"facade_cells", 4}}));
   const RefineObject objects[] = {{.hierarchy = &hierarchy}};
   const CellOccluders occluders(objects, 0.5);
   CellBuilder builder(objects, &occluders, {});
@@ -179,7 +179,7 @@ TEST(CellBuilder, CutsAreClosed) {
 
 // More eyes see more: without occlusion, whose answers are conservative only.
 TEST(CellBuilder, GrowsWithTheCell) {
-  const Hierarchy hierarchy = build_hierarchy(generate_rough_planet({.level = 4}));
+  const Hierarchy hierarchy = build_hierarchy(generate("rough-planet", {{"level", 4}}));
   const RefineObject objects[] = {{.hierarchy = &hierarchy}};
   CellBuilder builder(objects, nullptr, {.tolerance_px = 20.0});
   std::vector<SplitId> inner;

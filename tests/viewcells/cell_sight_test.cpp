@@ -14,8 +14,8 @@ namespace {
 
 // Some chunks are outside the image and some behind others. What is left of them is the same picture.
 TEST(FullScene, IsWhatAllTrianglesDraw) {
-  const Hierarchy city = build_hierarchy(generate_city({.blocks = 3, .facade_cells = 8}));
-  const Hierarchy planet = build_hierarchy(generate_rough_planet({.level = 5}));
+  const Hierarchy city = build_hierarchy(generate("city", {{"blocks", 3}, {"facade_cells", 8}}));
+  const Hierarchy planet = build_hierarchy(generate("rough-planet", {{"level", 5}}));
   const RefineObject objects[] = {{&city},
                                   {&planet, glm::scale(glm::translate(glm::dmat4(1.0), {66, 64, 2}), {2, -1, 1})},
                                   {&planet, glm::translate(glm::dmat4(1.0), {90, 60, 1}), true}};
@@ -48,7 +48,7 @@ TEST(FullScene, IsWhatAllTrianglesDraw) {
 
 // Without a triangle that is drawn, nearly every pixel misses one.
 TEST(CellSight, FindsWhatIsLeftOut) {
-  const Hierarchy city = build_hierarchy(generate_city({.blocks = 2, .facade_cells = 4}));
+  const Hierarchy city = build_hierarchy(generate("city", {{"blocks", 2}, {"facade_cells", 4}}));
   const RefineObject objects[] = {{&city}};
   const tool::FullScene scene(objects);
   const CellOptions options{.eyes = tool::cube_eyes(64, 0.1)};
@@ -65,7 +65,7 @@ TEST(CellSight, FindsWhatIsLeftOut) {
 
 // The same pixels as look_from() counts, by triangle; from the street nothing below the ground is seen.
 TEST(CellSight, CountsPixelsByTriangle) {
-  const Hierarchy city = build_hierarchy(generate_city({.blocks = 2, .facade_cells = 4}));
+  const Hierarchy city = build_hierarchy(generate("city", {{"blocks", 2}, {"facade_cells", 4}}));
   const RefineObject objects[] = {{&city}, {&city, glm::translate(glm::dmat4(1.0), {0, 0, -200})}};
   const tool::FullScene scene(objects);
   const CellOptions options{.eyes = tool::cube_eyes(64, 0.1)};

@@ -221,7 +221,7 @@ TEST(CellOccluders, Input) {
 }
 TEST(CellOccluders, Ball) { expect_conservative(test::noisy_sphere(4, 6), 0.05, 2000); }
 TEST(CellOccluders, Pipes) {
-  TriangleMesh mesh = generate_pipes({.pipes = 40, .bends = 8, .sides = 8});
+  TriangleMesh mesh = generate("pipes", {{"pipes", 40}, {"bends", 8}, {"sides", 8}});
   for (glm::vec3& p : mesh.positions) p = 2.0F * p - 1.0F;
   expect_conservative(mesh, 0.01, 300);
 }

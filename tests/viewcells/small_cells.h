@@ -43,7 +43,8 @@ class SmallCells {
   }
 
  private:
-  Hierarchy wall_ = build_hierarchy(generate_spheres_behind_wall({.spheres = 12, .level = 2, .wall_cells = 6}));
+  Hierarchy wall_ =
+      build_hierarchy(generate("spheres-behind-wall", {{"spheres", 12}, {"level", 2}, {"wall_cells", 6}}));
   Hierarchy ball_ = build_hierarchy(noisy_sphere(2, 3));
 };
 

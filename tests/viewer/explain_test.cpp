@@ -30,7 +30,8 @@ class Explain : public ::testing::Test {
 
   static PlacedObject make_object() {
     PlacedObject made;
-    made.mesh = make_view_mesh(std::make_shared<const Hierarchy>(build_hierarchy(generate_rough_planet({.level = 5}))));
+    made.mesh =
+        make_view_mesh(std::make_shared<const Hierarchy>(build_hierarchy(generate("rough-planet", {{"level", 5}}))));
     return made;
   }
   PlacedObject object_ = make_object();

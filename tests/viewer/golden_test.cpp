@@ -56,7 +56,7 @@ TEST_F(Golden, Colours) {
 
 // Red to the right, green up, blue towards the eye.
 TEST_F(Golden, VertexColours) {
-  TriangleMesh mesh = generate_rough_planet({.level = 5});
+  TriangleMesh mesh = generate("rough-planet", {{"level", 5}});
   for (const glm::vec3& p : mesh.positions)
     mesh.colors.emplace_back(glm::clamp(127.0F + 120.0F * p, 0.0F, 255.0F), 255);
   write_mesh(folder_.path("coloured.ply"), mesh);

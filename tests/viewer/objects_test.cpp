@@ -45,7 +45,7 @@ TEST(Placement, KeepsWhatIsNoRotation) {
 }
 
 TEST(ViewMesh, HasUnitNormalsOutwardsAndLevelsByParents) {
-  const auto hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(generate_rough_planet({.level = 3})));
+  const auto hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(generate("rough-planet", {{"level", 3}})));
   const auto mesh = make_view_mesh(hierarchy);
   ASSERT_EQ(mesh->normals.size(), hierarchy->vertex_count());
   for (std::size_t i = 0; i < mesh->normals.size(); ++i) {
@@ -61,7 +61,8 @@ TEST(ViewMesh, HasUnitNormalsOutwardsAndLevelsByParents) {
 // A sphere of radius 1 fits a planet of radius 1 to within its hills; the corners of its box are 1.7 away.
 TEST(SceneBounds, FitsTheVerticesAndTheirPlacement) {
   PlacedObject object;
-  object.mesh = make_view_mesh(std::make_shared<const Hierarchy>(build_hierarchy(generate_rough_planet({.level = 3}))));
+  object.mesh =
+      make_view_mesh(std::make_shared<const Hierarchy>(build_hierarchy(generate("rough-planet", {{"level", 3}}))));
   object.placement = {{1.0, 2.0, 3.0}, {10.0, 20.0, 30.0}, 2.0, glm::dmat3(1.0)};
   object.object_to_world = matrix_of(object.placement);
   for (const SceneBounds& bounds : {bounds_of(object), bounds_of(Objects{object})}) {
@@ -74,7 +75,7 @@ TEST(SceneBounds, FitsTheVerticesAndTheirPlacement) {
 
 TEST(SceneBounds, LeavesOutWhatIsNotShown) {
   const auto mesh =
-      make_view_mesh(std::make_shared<const Hierarchy>(build_hierarchy(generate_rough_planet({.level = 2}))));
+      make_view_mesh(std::make_shared<const Hierarchy>(build_hierarchy(generate("rough-planet", {{"level", 2}}))));
   PlacedObject here, there;
   here.mesh = there.mesh = mesh;
   there.object_to_world[3] = glm::dvec4(100.0, 0.0, 0.0, 1.0);

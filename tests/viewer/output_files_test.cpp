@@ -31,7 +31,7 @@ class OutputFiles : public ::testing::Test {
  protected:
   void SetUp() override {
     fs::create_directories(folder_.path("home/meshes"));
-    write_mesh(mesh_, generate_rough_planet({.level = 3}));
+    write_mesh(mesh_, generate("rough-planet", {{"level", 3}}));
     act(session_, {{"do", "open"}, {"file", mesh_.string()}});
     ASSERT_EQ(session_.state().objects->size(), 1U);
   }

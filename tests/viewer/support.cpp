@@ -46,8 +46,8 @@ std::filesystem::path write_city(const Folder& folder) {
   hlod::BuildOptions options;
   options.node_triangles = 64;
   options.within = hlod::Within::splits;
-  write_ohlod(folder.path("city.ohlod"), hlod::build_hlod(generate_city({.blocks = 6, .facade_cells = 2}), options),
-              {});
+  write_ohlod(folder.path("city.ohlod"),
+              hlod::build_hlod(generate("city", {{"blocks", 6}, {"facade_cells", 2}}), options), {});
   return folder.path("city.ohlod");
 }
 

@@ -83,7 +83,7 @@ TEST_F(Window, SmoothShadingStopsAtCreases) {
   box.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
   write_mesh(folder_.path("box.ply"), box);
-  write_mesh(folder_.path("ball.ply"), generate_rough_planet({.level = 2, .amplitude = 0.0}));
+  write_mesh(folder_.path("ball.ply"), generate("rough-planet", {{"level", 2}, {"amplitude", 0.0}}));
   start();
   for (const char* name : {"box", "ball"}) {
     act({{"do", "close_all"}});

@@ -33,9 +33,14 @@ struct MeshFile {
   std::vector<std::string> names;  // relative to these folders, or absolute; UTF-8
 };
 
-// Where the mesh of an object comes from: a file or a generator.
-using MeshSource =
-    std::variant<MeshFile, RoughPlanetOptions, CityOptions, PipesOptions, PlantOptions, SpheresBehindWallOptions>;
+// A mesh that generate() makes of these arguments.
+struct GeneratedMesh {
+  std::string generator;   // one of generators()
+  GeneratorValues values;  // of its parameters
+};
+
+// Where the mesh of an object comes from.
+using MeshSource = std::variant<MeshFile, GeneratedMesh>;
 
 // One placed mesh.
 struct SceneObject {

@@ -5,7 +5,7 @@
 #include <cstdio>
 
 int main() {
-  const occlod::TriangleMesh mesh = occlod::generate_rough_planet({.level = 3});
+  const occlod::TriangleMesh mesh = occlod::generate("rough-planet", {{"level", 3}});
   const occlod::Hierarchy hierarchy = occlod::build_hierarchy(mesh);
   std::printf("occlod %s: %zu triangles\n", occlod::version(), mesh.triangle_count());
   return hierarchy.positions().empty() ? 1 : 0;

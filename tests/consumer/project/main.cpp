@@ -21,7 +21,7 @@ bool check(bool holds, const char* what) {
 }  // namespace
 
 int main() {
-  const occlod::TriangleMesh mesh = occlod::generate_rough_planet({.level = 5});
+  const occlod::TriangleMesh mesh = occlod::generate("rough-planet", {{"level", 5}});
   const char* file = "consumer.olod";
   occlod::write_olod(file, occlod::build_hierarchy(mesh), {});
   const occlod::Hierarchy hierarchy = occlod::read_olod(file).hierarchy;
