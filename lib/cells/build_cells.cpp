@@ -43,7 +43,7 @@ void write_vlod(const std::filesystem::path& path, const Scene& scene, const Cel
   SectionWriter writer;
   writer.add(options_name, std::span<const StoredOptions>(&options, 1));
   writer.add(regions_name, std::span<const CellBox>(scene.options.regions));
-  writer.add(objects_name, std::span<const VlodObject>(scene.objects));
+  writer.add(objects_name, std::span<const StoredObject>(scene.objects));
   writer.add(nodes_name, std::span<const CellNode>(tree.nodes));
   writer.add(data_name, std::span<const std::byte>(tree.payloads), Check::parts);
   writer.write(path, file_kind);
@@ -185,7 +185,7 @@ void write_part(const std::filesystem::path& path, const Scene& scene, const Cel
   SectionWriter writer;
   writer.add(options_name, std::span<const StoredOptions>(&options, 1));
   writer.add(regions_name, std::span<const CellBox>(scene.options.regions));
-  writer.add(objects_name, std::span<const VlodObject>(scene.objects));
+  writer.add(objects_name, std::span<const StoredObject>(scene.objects));
   writer.add(range_name, std::span<const CellRange>(&range, 1));
   writer.add(trees_name, std::span<const PartTree>(table));
   writer.add(nodes_name, std::span<const CellNode>(nodes));

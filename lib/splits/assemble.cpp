@@ -17,6 +17,7 @@
 #include "splits/build_steps.h"
 #include "splits/hierarchy_data.h"
 #include "splits/simplify.h"
+#include "splits/star.h"
 #include "splits/star_mesh.h"
 #include "splits/star_patch.h"
 #include "splits/star_record.h"

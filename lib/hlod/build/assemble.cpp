@@ -1,5 +1,3 @@
-#include "hlod/build/assemble.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +9,7 @@
 
 #include "base/threads.h"
 #include "hlod/build/level_draft.h"
+#include "hlod/build/simplify_nodes.h"
 #include "hlod/store/hlod_data.h"
 
 namespace occlod::hlod {
