@@ -64,13 +64,7 @@ class Renewal {
 // How large a scene is, and how far its objects have moved.
 
 // Over all hierarchies, each counted once.
-[[nodiscard]] std::size_t splits_of(std::span<const RefineObject> objects);
-// The diagonal of the box around the boxes of all objects, world units.
-[[nodiscard]] double extent_of(std::span<const RefineObject> objects);
-// The largest distance between two places of a corner of its box, world units.
-[[nodiscard]] double moved_by(const RefineObject& from, const RefineObject& to);
-
-std::size_t splits_of(std::span<const RefineObject> objects) {
+[[nodiscard]] std::size_t splits_of(std::span<const RefineObject> objects) {
   std::vector<const Hierarchy*> hierarchies;
   for (const RefineObject& object : objects) hierarchies.push_back(object.hierarchy);
   std::sort(hierarchies.begin(), hierarchies.end());
@@ -80,7 +74,8 @@ std::size_t splits_of(std::span<const RefineObject> objects) {
   return splits;
 }
 
-double extent_of(std::span<const RefineObject> objects) {
+// The diagonal of the box around the boxes of all objects, world units.
+[[nodiscard]] double extent_of(std::span<const RefineObject> objects) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   for (const RefineObject& object : objects)
     for (int i = 0; i < 8; ++i) {
@@ -91,7 +86,8 @@ double extent_of(std::span<const RefineObject> objects) {
   return glm::length(high - low);
 }
 
-double moved_by(const RefineObject& from, const RefineObject& to) {
+// The largest distance between two places of a corner of its box, world units.
+[[nodiscard]] double moved_by(const RefineObject& from, const RefineObject& to) {
   double moved = 0.0;
   for (int i = 0; i < 8; ++i) {
     const glm::dvec4 p(corner(from.hierarchy->box(), i), 1.0);

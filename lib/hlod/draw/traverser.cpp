@@ -27,10 +27,6 @@ namespace {
 
 // What is likely to be needed soon of HLODs whose meshes come and go.
 
-// The view after so many more frames like the one that led from `before` to `now`: the eye goes on along a line, the
-// line of sight turns on. Nothing when the camera stands still, or would end up where it makes no image.
-[[nodiscard]] std::optional<View> view_ahead(const Camera& before, const View& now, int frames);
-
 class Prefetcher {
  public:
   // Tells the stores of these objects, all of which have begun a frame, what it may be: first what is missing to draw
@@ -48,7 +44,9 @@ class Prefetcher {
 
 constexpr std::size_t max_reached = 4096;  // nodes, of one object
 
-std::optional<View> view_ahead(const Camera& before, const View& now, int frames) {
+// The view after so many more frames like the one that led from `before` to `now`: the eye goes on along a line, the
+// line of sight turns on. Nothing when the camera stands still, or would end up where it makes no image.
+[[nodiscard]] std::optional<View> view_ahead(const Camera& before, const View& now, int frames) {
   Camera camera = now.camera();
   const glm::dvec3 last = before.target - before.eye, sight = camera.target - camera.eye;
   const double length = glm::length(sight);

@@ -33,11 +33,6 @@ constexpr double crease_deg = 60.0;  // of HLODs without normals
 
 // The images of a tileset's textures: files that its contents share.
 
-// Writes each image once, in the folder textures/. Those that are not there or neither PNG nor JPEG, which is all that
-// glTF knows, are left out and named in `left_out`. `image_folder`: what names of files are relative to. O(bytes).
-[[nodiscard]] TileLook write_images(AtomicFolder& folder, const hlod::HlodView& hlod,
-                                    const std::filesystem::path& image_folder, std::vector<std::string>& left_out);
-
 namespace fs = std::filesystem;
 
 // Nothing when it cannot be read.
@@ -61,8 +56,10 @@ std::string extension_of(const std::string& bytes) {
   return type == "image/png" ? ".png" : type == "image/jpeg" ? ".jpg" : "";
 }
 
-TileLook write_images(AtomicFolder& folder, const hlod::HlodView& hlod, const fs::path& image_folder,
-                      std::vector<std::string>& left_out) {
+// Writes each image once, in the folder textures/. Those that are not there or neither PNG nor JPEG, which is all that
+// glTF knows, are left out and named in `left_out`. `image_folder`: what names of files are relative to. O(bytes).
+[[nodiscard]] TileLook write_images(AtomicFolder& folder, const hlod::HlodView& hlod, const fs::path& image_folder,
+                                    std::vector<std::string>& left_out) {
   TileLook look{hlod.materials, hlod.textures, {}, hlod.texture_origin};
   std::map<std::string, std::string> written;  // from the name of a file to its uri
   for (const Texture& texture : hlod.textures) {
