@@ -356,6 +356,7 @@ VlodFile::~VlodFile() = default;
 
 const CellTree& VlodFile::tree() const noexcept { return impl_->tree(); }
 const CellTreeOptions& VlodFile::options() const noexcept { return impl_->options(); }
+std::size_t VlodFile::object_count() const noexcept { return impl_->objects().size(); }
 std::span<const vlod::StoredObject> VlodFile::objects() const noexcept { return impl_->objects(); }
 const std::array<std::uint64_t, 2>& VlodFile::key() const noexcept { return impl_->key(); }
 std::uint64_t VlodFile::file_bytes() const noexcept { return impl_->file_bytes(); }
