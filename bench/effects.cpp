@@ -113,7 +113,7 @@ class Contest {
         }
       }
     for (const AutoRefiner& refiner : settled)
-      choices_ += (choices_.empty() ? "" : " ") + std::string(name_of(refiner.report().choice.effort));
+      choices_ += (choices_.empty() ? "" : " ") + (refiner.report().choice.backend ? "occlusion" : "none");
   }
 
   [[nodiscard]] Json row(const std::string& scene) const {
@@ -231,7 +231,7 @@ Json followed_row(SceneRun& run, const std::string& scene, const Options& option
     path.follow(
         [&](const View& view) -> const Refinement& {
           const Refinement& refinement = refiner.update(view, refine_options);
-          const std::string choice(name_of(refiner.report().choice.effort));
+          const std::string choice = refiner.report().choice.backend ? "occlusion" : "none";
           if (choices.empty() || choices.back() != choice) choices.push_back(choice);
           return refinement;
         },

@@ -155,7 +155,7 @@ std::optional<std::vector<double>> numbers_in(const std::string& text, std::size
 
 Json to_json(const VlodFile& file) {
   Json told = options_to_json(file.options());
-  told["objects"] = file.objects().size();
+  told["objects"] = file.object_count();
   told.update(cells_to_json(file));
   told.update(bytes_to_json(file));
   told["packed"] = file.is_packed();

@@ -17,9 +17,8 @@ std::string backend_of(const AutoRefiner& refiner, const std::optional<std::size
   return index ? std::string(refiner.backend(*index).name()) : "none";
 }
 
-Json to_json(const AutoRefiner& refiner, const EffortForecast& forecast) {
-  return {{"effort", name_of(forecast.effort)},
-          {"backend", backend_of(refiner, forecast.backend)},
+Json to_json(const AutoRefiner& refiner, const EffectForecast& forecast) {
+  return {{"backend", backend_of(refiner, forecast.backend)},
           {"frame_ms", forecast.frame_ms},
           {"occlusion_ms", forecast.occlusion_ms},
           {"error", forecast.error},
@@ -57,11 +56,9 @@ void print_object(std::size_t i, const std::string& source, const AutoRefiner& r
 
 Json to_json(const AutoRefiner& refiner) {
   const EffectReport& report = refiner.report();
-  Json json = {{"effort", name_of(report.choice.effort)},
-               {"backend", backend_of(refiner, report.choice.backend)},
-               {"level_step", report.choice.level_step}};
+  Json json = {{"backend", backend_of(refiner, report.choice.backend)}};
   json["forecasts"] = Json::array();
-  for (const EffortForecast& forecast : report.forecasts) json["forecasts"].push_back(to_json(refiner, forecast));
+  for (const EffectForecast& forecast : report.forecasts) json["forecasts"].push_back(to_json(refiner, forecast));
   json["ahead"] = to_json(report.ahead);
   json["back"] = report.back ? to_json(*report.back) : Json();
   json["looked_ahead"] = report.looked_ahead;
@@ -81,20 +78,19 @@ void print_explanation(const AutoRefiner& refiner, const RefineStats& stats, con
   fmt::print("why this choice:\n");
   print_shares("look ahead at a coarse mesh", report.ahead);
   if (report.back) print_shares("look back at a refined mesh", *report.back);
-  for (const EffortForecast& forecast : report.forecasts)
+  for (const EffectForecast& forecast : report.forecasts)
     fmt::print(
-        "  {} {:<17} {:<10} would take {:6.2f} ms, {:5.2f} of them for occlusion, with {:.2f} times the error: score "
+        "  {} {:<10} would take {:6.2f} ms, {:5.2f} of them for occlusion, with {:.2f} times the error: score "
         "{:.2f}\n",
-        forecast.effort == report.choice.effort && forecast.backend == report.choice.backend ? "*" : " ",
-        name_of(forecast.effort), backend_of(refiner, forecast.backend), forecast.frame_ms, forecast.occlusion_ms,
-        forecast.error, forecast.score());
+        forecast.backend == report.choice.backend ? "*" : " ", backend_of(refiner, forecast.backend), forecast.frame_ms,
+        forecast.occlusion_ms, forecast.error, forecast.score());
   if (report.held) fmt::print("  another choice scores better, but not by enough to change\n");
   fmt::print("  looking took {:.3f} ms in this view\n", report.look_ms);
   if (report.choice.backend)
     fmt::print(
         "  occlusion on ({}): took {:.2f} ms for {} occluders and {} queries; forecast {:.2f} ms for the frame,\n"
         "  against {:.2f} ms and {:.0f} triangles for the same error without occlusion\n",
-        name_of(report.choice.effort), stats.occlusion_ms, stats.occluder_draws, stats.queries,
+        backend_of(refiner, report.choice.backend), stats.occlusion_ms, stats.occluder_draws, stats.queries,
         report.chosen()->frame_ms, report.same_error_without.ms, report.same_error_without.triangles);
   else
     fmt::print("  occlusion off: it would cost more than it saves\n");

@@ -16,6 +16,7 @@
 #include "occlod/mesh_file.h"
 #include "option_values.h"
 #include "repair_advice.h"
+#include "splits/star.h"
 
 namespace occlod::tool {
 namespace {
@@ -40,7 +41,7 @@ Counts count_all(const Hierarchy& hierarchy) {
     const SplitId parent = hierarchy.node(s).parent;
     depth[s] = parent == no_id ? 1 : depth[parent] + 1;
     counts.levels = std::max(counts.levels, depth[s]);
-    counts.dependencies += hierarchy.star(s).dependencies().size();
+    counts.dependencies += star_of(hierarchy, s).dependencies().size();
   }
   return counts;
 }

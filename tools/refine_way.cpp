@@ -4,6 +4,7 @@
 
 #include "drawing.h"
 #include "occlod/base.h"
+#include "refine/forecast.h"
 
 namespace occlod::tool {
 namespace {
@@ -42,7 +43,8 @@ void RefineWay::repeat(Measurement& measurement, const View& view, const RefineO
 }
 
 RefineOptions RefineWay::fixed(const RefineOptions& options) const {
-  return auto_ ? auto_->report().choice.with(options) : options;
+  std::shared_ptr<const Tuning> tuning;
+  return auto_ ? with_choice(options, auto_->report().choice, tuning) : options;
 }
 
 Visibility& RefineWay::visibility() {

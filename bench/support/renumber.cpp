@@ -5,6 +5,7 @@
 #include <random>
 
 #include "splits/hierarchy_data.h"
+#include "splits/star.h"
 #include "splits/star_record.h"
 
 namespace occlod::bench {
@@ -29,7 +30,7 @@ class Renumbering {
       for (SplitId* link : {&node.child_u, &node.child_v, &node.parent}) *link = split(*link);
       node.star = static_cast<std::uint32_t>(stars.size());
       data.nodes[i] = node;
-      append(hierarchy_.star(order_[i]), stars);
+      append(star_of(hierarchy_, order_[i]), stars);
     }
     data.stars.assign(stars.begin(), stars.end());
     std::transform(old.roots.begin(), old.roots.end(), data.roots.begin(), [&](SplitId s) { return split(s); });
@@ -86,7 +87,7 @@ std::vector<SplitId> shuffled_levels(const Hierarchy& hierarchy, std::uint64_t s
   for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
     std::uint32_t level = 0;
     if (const SplitId parent = hierarchy.node(s).parent; parent != no_id) level = keys[parent].level + 1;
-    for (const SplitId needed : hierarchy.star(s).dependencies()) level = std::max(level, keys[needed].level + 1);
+    for (const SplitId needed : star_of(hierarchy, s).dependencies()) level = std::max(level, keys[needed].level + 1);
     keys.push_back({level, random()});
   }
   std::vector<SplitId> order(keys.size());

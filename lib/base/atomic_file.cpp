@@ -23,16 +23,6 @@
 namespace occlod {
 namespace {
 
-// Returns the hidden name beside `target` under which it is written before it is renamed. It is unique among the
-// running processes and among the files of this one. `target` has its links followed.
-[[nodiscard]] std::filesystem::path hidden_neighbour(const std::filesystem::path& target);
-
-// Removes hidden files beside `target` that killed processes left, once they are a minute old.
-void remove_leftovers(const std::filesystem::path& target);
-
-// Returns the folder of a file, or "." for a path without one.
-[[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path& file);
-
 namespace fs = std::filesystem;
 
 constexpr std::string_view hidden_suffix = ".tmp";
@@ -65,11 +55,19 @@ bool is_leftover(const fs::directory_entry& entry, const std::string& prefix) {
   return !unknown && age > std::chrono::minutes(1);
 }
 
-fs::path hidden_neighbour(const fs::path& target) {
+// Returns the hidden name beside `target` under which it is written before it is renamed. It is unique among the
+// running processes and among the files of this one. `target` has its links followed.
+[[nodiscard]] fs::path hidden_neighbour(const fs::path& target) {
   static std::atomic<unsigned> counter = 0;
   return target.parent_path() / fmt::format("{}{}-{}{}", hidden_prefix(target), process_id(), counter++, hidden_suffix);
 }
 
+// Returns the folder of a file, or "." for a path without one.
+[[nodiscard]] fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+// Removes hidden files beside `target` that killed processes left, once they are a minute old.
 void remove_leftovers(const fs::path& target) {
   const std::string prefix = hidden_prefix(target);
   std::error_code ignored;
@@ -77,9 +75,6 @@ void remove_leftovers(const fs::path& target) {
        entry.increment(ignored))
     if (std::error_code kept; is_leftover(*entry, prefix)) fs::remove_all(entry->path(), kept);
 }
-
-fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
-
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& path, std::string problem, std::string remedy) {

@@ -32,18 +32,16 @@ namespace {
 
 // Writes .vlod files.
 
-// Writes a finished tree. Throws Error that names the file.
-void write_vlod(const std::filesystem::path& path, const vlod::Scene& scene, const CellSubtree& tree);
-
 using namespace vlod;
 using namespace sections;
 
+// Writes a finished tree. Throws Error that names the file.
 void write_vlod(const std::filesystem::path& path, const Scene& scene, const CellSubtree& tree) {
   const StoredOptions options = store(scene);
   SectionWriter writer;
   writer.add(options_name, std::span<const StoredOptions>(&options, 1));
   writer.add(regions_name, std::span<const CellBox>(scene.options.regions));
-  writer.add(objects_name, std::span<const VlodObject>(scene.objects));
+  writer.add(objects_name, std::span<const StoredObject>(scene.objects));
   writer.add(nodes_name, std::span<const CellNode>(tree.nodes));
   writer.add(data_name, std::span<const std::byte>(tree.payloads), Check::parts);
   writer.write(path, file_kind);
@@ -67,19 +65,11 @@ struct PackedTree {
   PackedSets sets;
 };
 
-[[nodiscard]] PackedTree pack(CellSubtree tree);
-[[nodiscard]] CellSubtree unpack(PackedTree packed, const vlod::GlobalIds& ids);
-
-// Decodes the same bytes from a file. Returns nothing, and describes the problem in `problem`, when they do not contain
-// exactly this many elements.
-[[nodiscard]] std::optional<CellSets> unpack(std::span<const std::byte> shared, std::span<const std::byte> used,
-                                             const SetCounts& counts, const vlod::GlobalIds& ids, std::string& problem);
-
 using vlod::Additions;
 using vlod::Expected;
 using vlod::max_ids_per_byte;
 
-PackedTree pack(CellSubtree tree) {
+[[nodiscard]] PackedTree pack(CellSubtree tree) {
   CellSets sets = std::exchange(tree.sets, {});
   const SetCounts counts{sets.splits.size(), sets.candidates.size(), sets.hidden.size(), sets.used.size(),
                          sets.drawn.size()};
@@ -88,8 +78,11 @@ PackedTree pack(CellSubtree tree) {
   return {std::move(tree), {encode(shared, {}, max_ids_per_byte), encode(used, {}, max_ids_per_byte), counts}};
 }
 
-std::optional<CellSets> unpack(std::span<const std::byte> shared, std::span<const std::byte> used,
-                               const SetCounts& counts, const vlod::GlobalIds& ids, std::string& problem) {
+// Decodes the same bytes from a file. Returns nothing, and describes the problem in `problem`, when they do not contain
+// exactly this many elements.
+[[nodiscard]] std::optional<CellSets> unpack(std::span<const std::byte> shared, std::span<const std::byte> used,
+                                             const SetCounts& counts, const vlod::GlobalIds& ids,
+                                             std::string& problem) {
   const auto decoded = [&](std::span<const std::byte> bytes, std::uint64_t splits, std::uint64_t candidates,
                            std::uint64_t faces) -> std::optional<Additions> {
     problem = "claims more than it can hold";
@@ -104,7 +97,7 @@ std::optional<CellSets> unpack(std::span<const std::byte> shared, std::span<cons
                   std::move(first->hidden), std::move(second->hidden)};
 }
 
-CellSubtree unpack(PackedTree packed, const vlod::GlobalIds& ids) {
+[[nodiscard]] CellSubtree unpack(PackedTree packed, const vlod::GlobalIds& ids) {
   std::string problem;
   auto sets = unpack(packed.sets.shared, packed.sets.used, packed.sets.counts, ids, problem);
   assert(sets.has_value());  // pack() has made these bytes
@@ -126,10 +119,6 @@ inline constexpr sections::FileKind part_kind{{'V', 'P', 'R', 'T', '\r', '\n', '
                                               ".vpart",
                                               "make one with 'occlod cells build --work'",
                                               "remove it, and build again"};
-
-// Writes the trees of the root cells of the range. Throws Error that names the file.
-void write_part(const std::filesystem::path& path, const Scene& scene, const CellRange& range,
-                std::span<const PackedTree> trees);
 
 // Locates the tree of a root cell in the file.
 struct PartTree {
@@ -166,6 +155,7 @@ using namespace sections;
 
 constexpr std::string_view range_name = "RANG", trees_name = "TREE";
 
+// Writes the trees of the root cells of the range. Throws Error that names the file.
 void write_part(const std::filesystem::path& path, const Scene& scene, const CellRange& range,
                 std::span<const PackedTree> trees) {
   std::vector<PartTree> table;
@@ -185,7 +175,7 @@ void write_part(const std::filesystem::path& path, const Scene& scene, const Cel
   SectionWriter writer;
   writer.add(options_name, std::span<const StoredOptions>(&options, 1));
   writer.add(regions_name, std::span<const CellBox>(scene.options.regions));
-  writer.add(objects_name, std::span<const VlodObject>(scene.objects));
+  writer.add(objects_name, std::span<const StoredObject>(scene.objects));
   writer.add(range_name, std::span<const CellRange>(&range, 1));
   writer.add(trees_name, std::span<const PartTree>(table));
   writer.add(nodes_name, std::span<const CellNode>(nodes));

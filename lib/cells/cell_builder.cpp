@@ -22,6 +22,7 @@
 #include "occlod/item_buffer.h"
 #include "refine/cut.h"
 #include "refine/screen_error.h"
+#include "splits/star.h"
 
 namespace occlod {
 namespace {
@@ -104,11 +105,11 @@ CellSampling::Object::Object(const RefineObject& object, const Hierarchy& hierar
   first_face.reserve(hierarchy.split_count());
   for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
     first_face.push_back(next);
-    next += hierarchy.star(s).inserted_count();
+    next += star_of(hierarchy, s).inserted_count();
   }
   remover.assign(next, no_id);
   for (SplitId s = 0; s < hierarchy.split_count(); ++s)
-    hierarchy.star(s).for_each_removed_ref([&](const FaceRef& face) { remover[place_of(face)] = s; });
+    star_of(hierarchy, s).for_each_removed_ref([&](const FaceRef& face) { remover[place_of(face)] = s; });
 }
 
 CellSampling::CellSampling(std::span<const RefineObject> objects, const CellOptions& options) : options_(options) {
@@ -144,7 +145,7 @@ void CellSampling::begin(const CellBox& cell) {
     object.cut.clear();
     const Hierarchy& hierarchy = object.cut.hierarchy();
     for (SplitId s = 0; s < hierarchy.split_count(); ++s)
-      if (hierarchy.star(s).removed_count() == 0 && !object.cut.applied(s) && must_split(i, s)) {
+      if (star_of(hierarchy, s).removed_count() == 0 && !object.cut.applied(s) && must_split(i, s)) {
         static_cast<void>(object.cut.closure(s));
         object.cut.apply_closure();
       }
@@ -205,7 +206,7 @@ bool CellSampling::must_split(std::size_t place, SplitId s) {
   const Hierarchy& hierarchy = objects_[place].cut.hierarchy();
   const double px =
       static_cast<double>(errors_of(hierarchy, s, objects_[place].placed.attributes).guaranteed) *
-      static_cast<double>(views_[place].largest_scale_px(box_of(hierarchy.star(s), hierarchy.positions())));
+      static_cast<double>(views_[place].largest_scale_px(box_of(star_of(hierarchy, s), hierarchy.positions())));
   if (px > options_.tolerance_px) return true;
   result_.error_px = std::max(result_.error_px, px);
   return false;

@@ -11,6 +11,7 @@
 #include "base/arithmetic.h"
 #include "occlod/cell_builder.h"
 #include "occlod/hierarchy.h"
+#include "splits/star.h"
 
 namespace occlod {
 

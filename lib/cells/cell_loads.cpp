@@ -126,7 +126,7 @@ CellResidents::CellResidents(const VlodFile& file, std::size_t base_triangles)
     : tree_(file.tree()),
       triangle_bytes_(sizeof(Triangle) + (file.is_packed() && !file.has_objects() ? packed_vertex_bytes : 0)),
       base_triangles_(base_triangles),
-      objects_(file.objects().size()) {}
+      objects_(file.object_count()) {}
 
 void CellResidents::add(CellId cell, std::shared_ptr<const CellMesh> mesh) {
   Resident& resident = residents_[cell];

@@ -12,6 +12,7 @@
 #include "cells/cell_geometry.h"
 #include "cells/hull.h"
 #include "refine/screen_error.h"
+#include "splits/star.h"
 
 namespace occlod {
 namespace {
@@ -258,7 +259,7 @@ void CellRefinement::visit(std::uint32_t object, const CellView& view, SplitId s
 void CellRefinement::try_split(std::uint32_t object, const CellView& view, SplitId s) {
   Cut& cut = cuts_[object];
   const Hierarchy& hierarchy = cut.hierarchy();
-  const Box box = box_of(hierarchy.star(s), hierarchy.positions());
+  const Box box = box_of(star_of(hierarchy, s), hierarchy.positions());
   if (is_fine(error_of(object, s), view.largest_scale_px(box))) {
     ++result_.stats.fine_splits;
   } else if (is_hidden(view, box, hierarchy.node(s).guaranteed_error)) {

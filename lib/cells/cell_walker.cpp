@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "cells/cell_loads.h"
+#include "cells/vlod_format.h"
 #include "occlod/base.h"
 
 namespace occlod {
@@ -44,7 +45,7 @@ bool is_outside(const Box& box, const ObjectView& view) {
 
 std::vector<RefineObject> placements(const VlodFile& file) {
   std::vector<RefineObject> objects;
-  for (const VlodObject& object : file.objects())
+  for (const vlod::StoredObject& object : file.objects())
     objects.push_back({.object_to_world = object.object_to_world, .two_sided = object.two_sided != 0});
   return objects;
 }
@@ -77,9 +78,9 @@ class CellWalker::Work {
         forecast_(file_->tree()) {
     if (options.loaders < 0 || options.loaders > 64)
       throw Error({"walk options", "loaders", "is out of its range", "give a number from 0 to 64"});
-    if (!objects.empty() && objects.size() != file_->objects().size())
+    if (!objects.empty() && objects.size() != file_->object_count())
       throw Error({"cell walker", "",
-                   fmt::format("the cells are of {} objects, not {}", file_->objects().size(), objects.size()),
+                   fmt::format("the cells are of {} objects, not {}", file_->object_count(), objects.size()),
                    "give the objects that the file was opened with"});
     if (objects.empty() && !file_->objects().empty()) use_geometry();
     load_root();
@@ -118,7 +119,7 @@ class CellWalker::Work {
     std::size_t triangles = 0;
     for (const RefineObject& object : objects) triangles += object.hierarchy->base_triangle_count();
     if (!objects.empty() || !file.is_packed()) return triangles;
-    for (std::uint32_t i = 0; i < file.objects().size(); ++i)
+    for (std::uint32_t i = 0; i < file.object_count(); ++i)
       triangles += file.geometry()->mesh(file.geometry()->mesh_of(i)).base_faces;
     return triangles;
   }

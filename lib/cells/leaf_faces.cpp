@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "occlod/build_hierarchy.h"
+#include "splits/star.h"
 
 namespace occlod {
 

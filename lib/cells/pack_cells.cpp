@@ -18,6 +18,7 @@
 #include "occlod/build_cells.h"
 #include "occlod/hierarchy.h"
 #include "splits/olod.h"
+#include "splits/star.h"
 #include "splits/star_record.h"
 #include "splits/structure.h"
 
@@ -86,8 +87,9 @@ void PackedStars::number_wedges() {
   for (const Triangle& wedges : hierarchy_.data().base_corners) use(wedges);
   if (extra.empty()) return;
   for (const SplitId split : splits_) {
-    const SplitCorners corners = hierarchy_.corners(split);
-    for (std::uint32_t slot = 0; slot < hierarchy_.star(split).inserted_count(); ++slot) use(corners.inserted(slot));
+    const SplitCorners corners = corners_of_star(hierarchy_, split);
+    for (std::uint32_t slot = 0; slot < star_of(hierarchy_, split).inserted_count(); ++slot)
+      use(corners.inserted(slot));
   }
   std::uint32_t last = 0;
   for (std::size_t i = 0; i < extra.size(); ++i) {
@@ -113,7 +115,7 @@ VertexId PackedStars::vertex(VertexId v) const noexcept {
 
 void PackedStars::append(SplitId number, GeometryFrame& frame) const {
   const SplitId split = splits_[number];
-  const SplitStar star = hierarchy_.star(split);
+  const SplitStar star = star_of(hierarchy_, split);
   std::vector<Triangle> inserted;
   std::vector<RemovedFace> removed;
   std::vector<SplitId> dependencies;
@@ -142,9 +144,9 @@ void PackedStars::append(SplitId number, GeometryFrame& frame) const {
 }
 
 void PackedStars::append_corners(SplitId split, std::uint32_t extra, GeometryFrame& frame) const {
-  const SplitCorners corners = hierarchy_.corners(split);
+  const SplitCorners corners = corners_of_star(hierarchy_, split);
   if (!corners.are_first())
-    for (std::uint32_t slot = 0; slot < hierarchy_.star(split).inserted_count(); ++slot) {
+    for (std::uint32_t slot = 0; slot < star_of(hierarchy_, split).inserted_count(); ++slot) {
       const Triangle numbers = this->corners(corners.inserted(slot));
       frame.corners.insert(frame.corners.end(), {numbers.x, numbers.y, numbers.z});
     }
@@ -176,7 +178,7 @@ class Packing {
     if (options.level < 0 || options.level > max_level)
       throw Error(
           {"pack options", "level", "is out of its range", fmt::format("give a number from 0 to {}", max_level)});
-    if (!file.has_objects() || objects.size() != file.objects().size())
+    if (!file.has_objects() || objects.size() != file.object_count())
       throw Error({"pack_cells()", "", "has not the objects that the file was opened with", "open the file with them"});
     for (std::uint32_t i = 0; i < objects.size(); ++i) {
       if (mesh_of_[i] != hierarchies_.size()) continue;
@@ -405,7 +407,7 @@ void Packing::write(const std::filesystem::path& path) const {
   MaterialSections materials;
   writer.add(options_name, std::span<const StoredOptions>(&options, 1));
   writer.add(regions_name, std::span<const CellBox>(scene.options.regions));
-  writer.add(objects_name, std::span<const VlodObject>(scene.objects));
+  writer.add(objects_name, std::span<const StoredObject>(scene.objects));
   writer.add(nodes_name, std::span<const CellNode>(nodes_));
   writer.add(meshes_name, std::span<const MeshRow>(meshes_));
   writer.add(base_positions_name, std::span<const glm::vec3>(base_positions_), Check::whole, codec);

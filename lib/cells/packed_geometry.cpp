@@ -16,6 +16,7 @@
 #include "mesh/section_file.h"
 #include "occlod/base.h"
 #include "occlod/hierarchy.h"
+#include "splits/star.h"
 #include "splits/star_record.h"
 
 namespace occlod::vlod {
@@ -264,18 +265,18 @@ std::optional<GeometryFrame> decode_frame(std::span<const std::byte> bytes, std:
 using sections::Check;
 using sections::SectionReader;
 
-std::vector<std::uint32_t> meshes_of(std::span<const VlodObject> objects) {
+std::vector<std::uint32_t> meshes_of(std::span<const StoredObject> objects) {
   std::vector<std::uint32_t> meshes;
   std::uint32_t count = 0;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const auto same = std::ranges::find(objects.first(i), objects[i].hierarchy, &VlodObject::hierarchy);
+    const auto same = std::ranges::find(objects.first(i), objects[i].hierarchy, &StoredObject::hierarchy);
     const auto earlier = static_cast<std::size_t>(same - objects.begin());
     meshes.push_back(earlier < i ? meshes[earlier] : count++);
   }
   return meshes;
 }
 
-PackedGeometry::PackedGeometry(SectionReader& reader, std::span<const VlodObject> objects, const InputFile& file,
+PackedGeometry::PackedGeometry(SectionReader& reader, std::span<const StoredObject> objects, const InputFile& file,
                                std::string subject)
     : file_(file), subject_(std::move(subject)), mesh_of_(meshes_of(objects)) {
   take_meshes(reader, objects);
@@ -284,7 +285,7 @@ PackedGeometry::PackedGeometry(SectionReader& reader, std::span<const VlodObject
   take_frames(reader);
 }
 
-void PackedGeometry::take_meshes(SectionReader& reader, std::span<const VlodObject> objects) {
+void PackedGeometry::take_meshes(SectionReader& reader, std::span<const StoredObject> objects) {
   const std::span<const MeshRow> meshes = reader.read<MeshRow>(meshes_name);
   const std::size_t count = mesh_of_.empty() ? 0 : *std::ranges::max_element(mesh_of_) + std::size_t{1};
   if (meshes.size() != count)

@@ -154,14 +154,14 @@ struct FrameRow {
 static_assert(sizeof(FrameRow) == 32);
 
 // Returns the mesh of each object: objects with one hierarchy share one, in the order of first use.
-[[nodiscard]] std::vector<std::uint32_t> meshes_of(std::span<const VlodObject> objects);
+[[nodiscard]] std::vector<std::uint32_t> meshes_of(std::span<const StoredObject> objects);
 
 // Immutable and thread-safe.
 class PackedGeometry {
  public:
   // `file` is the same file, for read(); it must outlive this object. Throws Error when tables and base meshes are
   // inconsistent.
-  PackedGeometry(sections::SectionReader& reader, std::span<const VlodObject> objects, const InputFile& file,
+  PackedGeometry(sections::SectionReader& reader, std::span<const StoredObject> objects, const InputFile& file,
                  std::string subject);
 
   [[nodiscard]] std::uint32_t mesh_of(std::uint32_t object) const noexcept { return mesh_of_[object]; }
@@ -208,7 +208,7 @@ class PackedGeometry {
   [[nodiscard]] const std::string& subject() const noexcept { return subject_; }
 
  private:
-  void take_meshes(sections::SectionReader& reader, std::span<const VlodObject> objects);
+  void take_meshes(sections::SectionReader& reader, std::span<const StoredObject> objects);
   void take_base(sections::SectionReader& reader);
   void check_base(sections::SectionReader& reader) const;
   // Returns whether all of these materials belong to the mesh.

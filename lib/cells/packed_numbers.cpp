@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cells/leaf_faces.h"
+#include "cells/vlod_format.h"
 #include "occlod/base.h"
 
 namespace occlod {
@@ -86,7 +87,7 @@ std::vector<std::uint32_t> differences_of(std::span<const SplitId> numbers) {
 }
 
 PackedNumbers::PackedNumbers(sections::SectionReader& reader, const PackedGeometry& geometry,
-                             std::span<const VlodObject> objects) {
+                             std::span<const StoredObject> objects) {
   const std::span<const std::uint32_t> differences = reader.read<std::uint32_t>(permutation_name);
   std::uint64_t count = 0;
   for (const MeshRow& mesh : geometry.meshes()) count += mesh.splits;

@@ -35,7 +35,7 @@ namespace occlod::vlod {
 class PackedNumbers {
  public:
   // Throws Error when a split is out of range or appears twice.
-  PackedNumbers(sections::SectionReader& reader, const PackedGeometry& geometry, std::span<const VlodObject> objects);
+  PackedNumbers(sections::SectionReader& reader, const PackedGeometry& geometry, std::span<const StoredObject> objects);
 
   // Converts the file's numbers to those of the hierarchy and sorts by them. All splits must be within the mesh.
   void restore(std::uint32_t mesh, ObjectAdditions& additions) const;

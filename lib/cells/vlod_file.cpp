@@ -19,6 +19,7 @@
 #include "cells/vlod_format.h"
 #include "cells/vlod_payload.h"
 #include "occlod/base.h"
+#include "splits/star.h"
 
 namespace occlod {
 namespace {
@@ -161,12 +162,12 @@ class PathOfObject {
 std::string problem_of(const ObjectAdditions& additions, const Hierarchy& hierarchy, const PathOfObject& path) {
   for (const SplitId s : additions.splits) {
     if (path.has_above(s)) return fmt::format("split {} is there twice", s);
-    for (const SplitId needed : hierarchy.star(s).dependencies())
+    for (const SplitId needed : star_of(hierarchy, s).dependencies())
       if (!path.has(needed)) return fmt::format("split {} needs split {}, which is not there", s, needed);
   }
   for (const FaceRef& face : additions.hidden) {
     const std::size_t faces =
-        face.split == no_id ? hierarchy.base_triangle_count() : hierarchy.star(face.split).inserted_count();
+        face.split == no_id ? hierarchy.base_triangle_count() : star_of(hierarchy, face.split).inserted_count();
     if (face.slot >= faces) return "a face is hidden that does not exist";
   }
   return {};
@@ -225,7 +226,7 @@ class VlodFile::Impl {
 
   [[nodiscard]] const CellTree& tree() const noexcept { return *tree_; }
   [[nodiscard]] const CellTreeOptions& options() const noexcept { return scene_.options; }
-  [[nodiscard]] std::span<const VlodObject> objects() const noexcept { return scene_.objects; }
+  [[nodiscard]] std::span<const vlod::StoredObject> objects() const noexcept { return scene_.objects; }
   [[nodiscard]] const Key& key() const noexcept { return key_; }
   [[nodiscard]] std::uint32_t version() const noexcept { return version_; }
   [[nodiscard]] std::uint64_t file_bytes() const noexcept { return file_.size(); }
@@ -295,9 +296,9 @@ void VlodFile::Impl::expect(std::span<const RefineObject> objects, std::span<con
     throw Error({path_, "",
                  fmt::format("its cells are of {} objects, the scene has {}", scene_.objects.size(), objects.size()),
                  rebuild});
-  const std::vector<VlodObject> given = describe(objects);
+  const std::vector<vlod::StoredObject> given = describe(objects);
   for (std::size_t i = 0; i < given.size(); ++i) {
-    const VlodObject &now = given[i], &then = scene_.objects[i];
+    const vlod::StoredObject &now = given[i], &then = scene_.objects[i];
     const char* const what = now.hierarchy != then.hierarchy || now.split_count != then.split_count ? "has changed"
                              : now.object_to_world != then.object_to_world                          ? "has been moved"
                              : now.two_sided != then.two_sided ? "is now seen from other sides"
@@ -355,7 +356,8 @@ VlodFile::~VlodFile() = default;
 
 const CellTree& VlodFile::tree() const noexcept { return impl_->tree(); }
 const CellTreeOptions& VlodFile::options() const noexcept { return impl_->options(); }
-std::span<const VlodObject> VlodFile::objects() const noexcept { return impl_->objects(); }
+std::size_t VlodFile::object_count() const noexcept { return impl_->objects().size(); }
+std::span<const vlod::StoredObject> VlodFile::objects() const noexcept { return impl_->objects(); }
 const std::array<std::uint64_t, 2>& VlodFile::key() const noexcept { return impl_->key(); }
 std::uint64_t VlodFile::file_bytes() const noexcept { return impl_->file_bytes(); }
 bool VlodFile::is_packed() const noexcept { return geometry() != nullptr; }

@@ -74,11 +74,11 @@ Key hash_of(const Hierarchy& hierarchy) {
 
 }  // namespace
 
-std::vector<VlodObject> describe(std::span<const RefineObject> objects) {
-  std::vector<VlodObject> described;
+std::vector<StoredObject> describe(std::span<const RefineObject> objects) {
+  std::vector<StoredObject> described;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const RefineObject& object = objects[i];
-    VlodObject& it = described.emplace_back();
+    StoredObject& it = described.emplace_back();
     // Objects often share a hierarchy, so look for an earlier description.
     const auto same = std::find_if(objects.begin(), objects.begin() + static_cast<std::ptrdiff_t>(i),
                                    [&](const RefineObject& other) { return other.hierarchy == object.hierarchy; });
@@ -114,7 +114,7 @@ StoredOptions store(const Scene& scene) {
   Hash hash;
   hash.add_one(stored);
   hash.add(std::span<const CellBox>(options.regions));
-  hash.add(std::span<const VlodObject>(scene.objects));
+  hash.add(std::span<const StoredObject>(scene.objects));
   stored.key = hash.value();
   return stored;
 }
@@ -143,7 +143,7 @@ Scene read_options(sections::SectionReader& reader, const std::string& subject, 
                   fmt::format("cells were made in way {}, this program makes them in way {}", stored.epoch, epoch));
   Scene scene{restore(stored, reader.read<CellBox>(regions_name)), {}};
   check(scene.options, subject.c_str());
-  const std::span<const VlodObject> objects = reader.read<VlodObject>(objects_name);
+  const std::span<const StoredObject> objects = reader.read<StoredObject>(objects_name);
   scene.objects.assign(objects.begin(), objects.end());
   key = stored.key;
   if (store(scene).key != key) reader.refuse("section OPTS", "has a key that is not its own");
@@ -168,8 +168,8 @@ void check(const CellTreeOptions& options, const char* subject) {
   for (const CellBox& region : options.regions) static_cast<void>(CellView(region, options.cell.eyes, glm::dmat4(1.0)));
 }
 
-GlobalIds::GlobalIds(std::span<const VlodObject> objects, const std::string& subject) : first_{0} {
-  for (const VlodObject& object : objects) first_.push_back(first_.back() + object.split_count);
+GlobalIds::GlobalIds(std::span<const StoredObject> objects, const std::string& subject) : first_{0} {
+  for (const StoredObject& object : objects) first_.push_back(first_.back() + object.split_count);
   if (owner_count() >> 32U != 0)
     throw Error({subject, "objects", "together have 2^32 splits or more", "leave objects out"});
 }

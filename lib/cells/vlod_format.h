@@ -42,6 +42,18 @@ struct StoredOptions {
 };
 static_assert(sizeof(StoredOptions) == 128);
 
+// Describes an object that the cells were built for.
+struct StoredObject {
+  std::array<std::uint64_t, 2> hierarchy{};  // XXH3-128 of all that is in its hierarchy
+  std::uint32_t split_count = 0;             // of its hierarchy
+  std::uint32_t two_sided = 0;               // 0 or 1
+  std::uint32_t ignores_attributes = 0;      // 1 where attributes slip, and do not count: RefineObject::attributes
+  std::uint32_t reserved = 0;                // 0
+  glm::dmat4 object_to_world{1.0};           // of its placement
+};
+static_assert(sizeof(StoredObject) == 160);
+static_assert(sizeof(CellNode) == 104);
+
 // Version of the algorithm that makes cells: shards of different epochs are incompatible.
 inline constexpr std::uint32_t epoch = 2;
 
@@ -58,11 +70,11 @@ inline constexpr std::uint32_t max_packed_ids_per_byte = 64;
 // Holds everything that determines the contents of a file.
 struct Scene {
   CellTreeOptions options;
-  std::vector<VlodObject> objects;
+  std::vector<StoredObject> objects;
 };
 
 // Describes the objects. Reads all of their hierarchies, which must not be null.
-[[nodiscard]] std::vector<VlodObject> describe(std::span<const RefineObject> objects);
+[[nodiscard]] std::vector<StoredObject> describe(std::span<const RefineObject> objects);
 // Returns the options with their key.
 [[nodiscard]] StoredOptions store(const Scene& scene);
 [[nodiscard]] CellTreeOptions restore(const StoredOptions& stored, std::span<const CellBox> regions);
@@ -78,7 +90,7 @@ void check(const CellTreeOptions& options, const char* subject);
 class GlobalIds {
  public:
   // Throws Error when there are 2^32 or more.
-  GlobalIds(std::span<const VlodObject> objects, const std::string& subject);
+  GlobalIds(std::span<const StoredObject> objects, const std::string& subject);
 
   [[nodiscard]] std::uint64_t split_count() const noexcept { return first_.back(); }
   [[nodiscard]] std::uint64_t owner_count() const noexcept { return first_.back() + first_.size() - 1; }

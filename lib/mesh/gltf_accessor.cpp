@@ -28,11 +28,6 @@ struct MeshoptView {
   std::string filter;                   // empty, NONE, OCTAHEDRAL, QUATERNION or EXPONENTIAL
 };
 
-// Decodes to count * stride bytes. Throws Error at `place` for a mode or size that the extension does not allow, for
-// data that are cut short or damaged, and always in a build without meshoptimizer.
-[[nodiscard]] std::vector<std::uint8_t> decode_meshopt(const MeshoptView& view, const std::string& place,
-                                                       const FileErrors& errors);
-
 #ifdef OCCLOD_HAS_MESHOPTIMIZER
 
 constexpr const char* remedy = "export the mesh again, or without compression";
@@ -68,7 +63,10 @@ bool unfilter(const MeshoptView& view, std::vector<std::uint8_t>& bytes) {
   return true;
 }
 
-std::vector<std::uint8_t> decode_meshopt(const MeshoptView& view, const std::string& place, const FileErrors& errors) {
+// Decodes to count * stride bytes. Throws Error at `place` for a mode or size that the extension does not allow, for
+// data that are cut short or damaged, and always in a build without meshoptimizer.
+[[nodiscard]] std::vector<std::uint8_t> decode_meshopt(const MeshoptView& view, const std::string& place,
+                                                       const FileErrors& errors) {
   if (!has_valid_layout(view))
     errors.fail(place, "has a mode or byteStride that EXT_meshopt_compression does not know", remedy);
   if (!is_possible(view)) errors.fail(place, "promises more than its compressed bytes can hold", remedy);

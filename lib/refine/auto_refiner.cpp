@@ -59,14 +59,8 @@ class Renewal {
   double layers_ = 1.0, front_layers_ = 1.0, front_share_ = 1.0;
 };
 
-// Returns the number of splits of all hierarchies, each counted once.
-[[nodiscard]] std::size_t splits_of(std::span<const RefineObject> objects);
-// Returns the diagonal of the box around the boxes of all objects, world units.
-[[nodiscard]] double extent_of(std::span<const RefineObject> objects);
-// Returns the largest distance that a corner of the object's box has moved, world units.
-[[nodiscard]] double moved_by(const RefineObject& from, const RefineObject& to);
-
-std::size_t splits_of(std::span<const RefineObject> objects) {
+// Over all hierarchies, each counted once.
+[[nodiscard]] std::size_t splits_of(std::span<const RefineObject> objects) {
   std::vector<const Hierarchy*> hierarchies;
   for (const RefineObject& object : objects) hierarchies.push_back(object.hierarchy);
   std::sort(hierarchies.begin(), hierarchies.end());
@@ -76,7 +70,8 @@ std::size_t splits_of(std::span<const RefineObject> objects) {
   return splits;
 }
 
-double extent_of(std::span<const RefineObject> objects) {
+// The diagonal of the box around the boxes of all objects, world units.
+[[nodiscard]] double extent_of(std::span<const RefineObject> objects) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   for (const RefineObject& object : objects)
     for (int i = 0; i < 8; ++i) {
@@ -87,7 +82,8 @@ double extent_of(std::span<const RefineObject> objects) {
   return glm::length(high - low);
 }
 
-double moved_by(const RefineObject& from, const RefineObject& to) {
+// The largest distance between two places of a corner of its box, world units.
+[[nodiscard]] double moved_by(const RefineObject& from, const RefineObject& to) {
   double moved = 0.0;
   for (int i = 0; i < 8; ++i) {
     const glm::dvec4 p(corner(from.hierarchy->box(), i), 1.0);
@@ -144,16 +140,6 @@ std::vector<std::unique_ptr<Visibility>> or_software(std::vector<std::unique_ptr
   return backends;
 }
 
-// Returns the smaller shares of both, because a coarse occluder that bulges out of the surface seems to hide more than
-// a fine one.
-HiddenShares smaller(HiddenShares coarse, const HiddenShares& fine) {
-  coarse.visits_hidden = std::min(coarse.visits_hidden, fine.visits_hidden);
-  coarse.splits_hidden = std::min(coarse.splits_hidden, fine.splits_hidden);
-  coarse.stars_hidden = std::min(coarse.stars_hidden, fine.stars_hidden);
-  coarse.finer = fine.finer;
-  return coarse;
-}
-
 }  // namespace
 
 // Looks ahead when a look is due, chooses by forecast, refines, records the counts, and looks back when a look is due.
@@ -193,7 +179,8 @@ class AutoRefiner::Impl {
     if (options.budget < refiner_.base_triangles()) return refiner_.refine(view, options, none_);  // throws Error
     last_.reset();
     choose(Way::from_scratch, view, options);
-    const Refinement& refinement = refiner_.refine(view, report_.choice.with(options), chosen_backend());
+    const Refinement& refinement =
+        refiner_.refine(view, with_choice(options, report_.choice, tuning_), chosen_backend());
     learn(Way::from_scratch, view, options, refinement);
     return refinement;
   }
@@ -210,12 +197,8 @@ class AutoRefiner::Impl {
     }
     last_ = {view.camera(), options};
     placed_ = false;
-    RefineOptions chosen = report_.choice.with(options);
-    // Each frame draws one occluder whatever these options are; changing them would restart from scratch.
-    Tuning& tuning = tune(chosen);
-    tuning.occluder_splits.clear();
-    tuning.retest_hidden = true;
-    const Refinement& refinement = refiner_.update(view, chosen, chosen_backend());
+    const Refinement& refinement =
+        refiner_.update(view, with_choice(options, report_.choice, tuning_), chosen_backend());
     report_.objects = refinement.effects;
     if (stands) return refinement;
     const bool goes_on = refinement.stats.new_splits < refinement.stats.splits;
@@ -226,8 +209,8 @@ class AutoRefiner::Impl {
  private:
   // Holds counts of earlier views. look_ahead() forgets `known` when the camera has moved far.
   struct Counted {
-    std::array<std::optional<FrameCounts>, occlusion_effort_count> known;
-    QueryRates rates{};
+    std::optional<FrameCounts> without, with;  // queries
+    double query_rate = 0.0;
   };
   [[nodiscard]] Counted& counted(Way way) { return way == Way::going_on ? going_on_ : from_scratch_; }
   [[nodiscard]] Visibility& chosen_backend() {
@@ -267,8 +250,7 @@ class AutoRefiner::Impl {
     const bool forgets = way == Way::from_scratch || options.budget != looked_with_.budget;
     if (looked_from_ && forgets && is_far_from_last_look(view, options)) {
       back_.reset();
-      from_scratch_.known = {};
-      going_on_.known = {};
+      for (Counted* const counted : {&from_scratch_, &going_on_}) counted->without = counted->with = {};
     }
     for (std::size_t i = 0; i < effects_.size(); ++i) {
       const HiddenShares& seen = result.objects[i];
@@ -313,12 +295,11 @@ class AutoRefiner::Impl {
     ++views_since_look_;
     const Prospect prospect = prospect_of(way, view, options);
     report_.forecasts = forecasts(calibration_, prospect);
-    const EffortForecast* const best = best_forecast(way, before);
+    const EffectForecast* const best = best_forecast(way, before);
     if (report_.looked_ahead) vain_looks_ = best->backend ? 0 : vain_looks_ + 1;
     EffectChoice& choice = report_.choice;
-    choice.effort = best->effort;
     choice.backend = best->backend;
-    const bool stays = before != nullptr && before->effort == choice.effort && before->backend == choice.backend;
+    const bool stays = before != nullptr && before->backend == choice.backend;
     frames_with_choice_ = stays ? frames_with_choice_ + 1 : 0;
     choice.objects = effects_;
     if (way == Way::going_on)
@@ -332,7 +313,7 @@ class AutoRefiner::Impl {
   // usual ones of the shipped scenes.
   [[nodiscard]] FrameCounts counts_so_far(Way way, std::size_t budget, const View& view) const {
     const Counted& past = way == Way::going_on ? going_on_ : from_scratch_;
-    if (past.known.front()) return *past.known.front();
+    if (past.without) return *past.without;
     FrameCounts counts = usual_counts(way, budget, view, far_share_);
     if (way == Way::from_scratch && visits_per_triangle_) counts.visits = *visits_per_triangle_ * counts.triangles;
     return counts;
@@ -342,32 +323,27 @@ class AutoRefiner::Impl {
     const Counted& past = counted(way);
     Prospect prospect{way,
                       counts_so_far(way, options.budget, view),
-                      past.known,
-                      smaller(ahead_, fine),
+                      past.with,
+                      ahead_.coverage.front_layers,
                       fine,
-                      past.rates,
+                      past.query_rate,
                       picture_error_px(probe_.level_ahead_px(), fine.stars_hidden)};
-    const auto with = std::find_if(past.known.begin(), past.known.end(), [](const auto& k) { return k.has_value(); });
-    if (with != past.known.end() && with != past.known.begin()) prospect.counts = counts_without(**with, fine);
+    if (!past.without && past.with) prospect.counts = counts_without(*past.with, fine);
     prospect.counts.layers = fine.coverage.layers;
-    for (std::optional<FrameCounts>& known : prospect.known)
-      if (known) known->layers = fine.coverage.layers;
+    if (prospect.with) prospect.with->layers = fine.coverage.layers;
     return prospect;
   }
 
-  // Returns the forecast to follow. Where no object may be queried, it is the one without occlusion, because occluders
-  // would be drawn for nothing.
-  [[nodiscard]] const EffortForecast* best_forecast(Way way, const EffectChoice* before) {
+  // The best of what may be chosen. Where no object may be queried, occluders would be drawn for nothing.
+  [[nodiscard]] const EffectForecast* best_forecast(Way way, const EffectChoice* before) {
     const bool may_ask =
         std::any_of(effects_.begin(), effects_.end(), [](const auto& e) { return e.occlusion && e.regions != 0; });
-    const std::span<const EffortForecast> all(report_.forecasts.data(), may_ask ? report_.forecasts.size() : 1);
+    const std::span<const EffectForecast> all(report_.forecasts.data(), may_ask ? report_.forecasts.size() : 1);
     const auto best =
         std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score() < b.score(); });
-    // From scratch, other forecasts compete with the first one, without queries: what they cost is surer than what they
-    // gain.
-    const auto same = std::find_if(all.begin(), all.end(), [&](const EffortForecast& forecast) {
-      if (before == nullptr) return way == Way::from_scratch;
-      return forecast.effort == before->effort && forecast.backend == before->backend;
+    // From scratch no queries, the first forecast: what they cost is surer than what they gain.
+    const auto same = std::find_if(all.begin(), all.end(), [&](const EffectForecast& forecast) {
+      return before == nullptr ? way == Way::from_scratch : forecast.backend == before->backend;
     });
     const double least = before == nullptr ? min_gain_of_queries : min_gain;
     report_.held = same != all.end() && same != best && best->score() > (1.0 - least) * same->score();
@@ -379,27 +355,26 @@ class AutoRefiner::Impl {
     const RefineStats& stats = refinement.stats;
     report_.objects = refinement.effects;
     const FrameCounts counts = counts_of(way, view, stats);
-    const auto effort = static_cast<std::size_t>(report_.choice.effort);
+    const bool asks = report_.choice.backend.has_value();
     Counted& past = counted(way);
-    std::optional<FrameCounts>& known = past.known[effort];
-    double& rate = past.rates[effort];
-    const double new_rate = static_cast<double>(stats.queries) / counts.triangles;
+    std::optional<FrameCounts>& known = asks ? past.with : past.without;
+    const double query_rate = static_cast<double>(stats.queries) / counts.triangles;
     if (way == Way::from_scratch) {
       known = counts;
-      if (stats.occluder_draws > 0) rate = new_rate;
+      if (asks && stats.occluder_draws > 0) past.query_rate = query_rate;
     } else if (frames_with_choice_ >= settling_frames) {
       known = mixed(known.value_or(usual_counts(way, options.budget, view, far_share_)), counts);
-      rate = std::lerp(rate, new_rate, new_share);
+      if (asks) past.query_rate = std::lerp(past.query_rate, query_rate, new_share);
     }
     if (way == Way::from_scratch) {
       const HiddenShares fine = back_ ? *back_ : renewal_.of(ahead_);
-      const double visits = (report_.choice.backend ? counts_without(counts, fine) : counts).visits / counts.triangles;
+      const double visits = (asks ? counts_without(counts, fine) : counts).visits / counts.triangles;
       visits_per_triangle_ = visits_per_triangle_ ? std::sqrt(*visits_per_triangle_ * visits) : visits;
     }
     const double level_px = probe_.level_ahead_px();
     for (std::size_t i = 0; i < effects_.size(); ++i) {
       judge_cones(refinement.effects[i], effects_[i]);
-      if (report_.choice.backend) judge_regions(refinement.effects[i], level_px, counts, i);
+      if (asks) judge_regions(refinement.effects[i], level_px, counts, i);
     }
     const std::size_t views = renewal_.known() ? views_before_later_look_back : views_before_look_back;
     const bool has_settled =
@@ -442,11 +417,11 @@ class AutoRefiner::Impl {
       return sum.queries >= min_queries && sum.splits * worth_ns < sum.queries * query_ns;
     };
     Worth whole;
-    const FinerCounts& finer = (back_ ? *back_ : ahead_).finer;
+    const double growth = (back_ ? *back_ : ahead_).growth;
     for (std::size_t r = 0; r < effect_region_count; ++r) {
       Worth& sum = worths_[object][r];
       sum.queries += stats.regions[r].queries;
-      sum.splits += splits_freed(stats.regions[r], level_px, finer);
+      sum.splits += splits_freed(stats.regions[r], level_px, growth);
       if (is_vain(sum)) effects_[object].regions &= ~(std::uint64_t{1} << r);
       whole.queries += sum.queries;
       whole.splits += sum.splits;
@@ -478,8 +453,8 @@ class AutoRefiner::Impl {
   std::optional<double> visits_per_triangle_;  // from scratch without occlusion, mean over all views
   HiddenShares ahead_;
   std::optional<HiddenShares> back_;
-  Counted from_scratch_{{}, usual_query_rates(Way::from_scratch)};
-  Counted going_on_{{}, usual_query_rates(Way::going_on)};
+  Counted from_scratch_{{}, {}, usual_query_rate(Way::from_scratch)};
+  Counted going_on_{{}, {}, usual_query_rate(Way::going_on)};
   struct Last {
     Camera camera;
     RefineOptions options;
@@ -492,7 +467,8 @@ class AutoRefiner::Impl {
     double splits = 0.0;  // number freed by hidden answers
   };
   std::vector<std::array<Worth, effect_region_count>> worths_;  // since the last look ahead
-  std::vector<bool> was_judged_;  // per object: whether its queries were found not worth it since the last look ahead
+  std::vector<bool> was_judged_;          // by what its queries took, since then: found not worth it
+  std::shared_ptr<const Tuning> tuning_;  // of the last view
   EffectReport report_;
 };
 

@@ -11,6 +11,7 @@
 #include "occlod/base.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/refiner.h"
+#include "splits/star.h"
 
 namespace occlod {
 namespace {
@@ -66,7 +67,7 @@ Cut::Closure Cut::closure(SplitId s) {
   closure_.resize(1);
   closure_[0] = s;
   hierarchy_->require(s);
-  if (const SplitStar star = hierarchy_->star(s); needs_no_other(star)) {
+  if (const SplitStar star = star_of(*hierarchy_, s); needs_no_other(star)) {
     closure_gain_ = gain_of(star);
     return {closure_, static_cast<std::size_t>(std::max<std::ptrdiff_t>(closure_gain_, 0))};
   }
@@ -76,7 +77,7 @@ Cut::Closure Cut::closure(SplitId s) {
   for (std::size_t i = 0; i < closure_.size(); ++i) {
     if (i + 1 < closure_.size()) prefetch(hierarchy_->data().stars.data() + hierarchy_->node(closure_[i + 1]).star);
     hierarchy_->require(closure_[i]);
-    const SplitStar star = hierarchy_->star(closure_[i]);
+    const SplitStar star = star_of(*hierarchy_, closure_[i]);
     closure_gain_ += gain_of(star);
     for (const SplitId needed : star.dependencies())
       if ((state_[needed] & (applied_bit | closure_bit)) == 0) {
@@ -103,7 +104,7 @@ void Cut::apply_closure() {
 }
 
 void Cut::apply(SplitId s) {
-  const SplitStar star = hierarchy_->star(s);
+  const SplitStar star = star_of(*hierarchy_, s);
   star.for_each_removed_ref([&](const FaceRef& face) {
     if (removed(face)) fail_removed_twice(s);
     if (face.split != no_id && face.slot < mask_slots)
@@ -119,7 +120,7 @@ void Cut::apply(SplitId s) {
 bool Cut::is_leaf(SplitId s) const {
   assert(applied(s));
   if ((state_[s] & mask_bits) != 0 || corner_needs_.contains(s)) return false;
-  for (std::uint32_t slot = mask_slots; slot < hierarchy_->star(s).inserted_count(); ++slot)
+  for (std::uint32_t slot = mask_slots; slot < star_of(*hierarchy_, s).inserted_count(); ++slot)
     if (removed(s, slot)) return false;
   return true;
 }
@@ -127,14 +128,14 @@ bool Cut::is_leaf(SplitId s) const {
 std::uint32_t Cut::removed_faces(SplitId s) const {
   auto faces = static_cast<std::uint32_t>(std::popcount(state_[s] & mask_bits));
   if (others_removed_.empty()) return faces;
-  for (std::uint32_t slot = mask_slots; slot < hierarchy_->star(s).inserted_count(); ++slot)
+  for (std::uint32_t slot = mask_slots; slot < star_of(*hierarchy_, s).inserted_count(); ++slot)
     if (removed(s, slot)) ++faces;
   return faces;
 }
 
 void Cut::take_back(SplitId s) {
   assert(applied(s) && is_leaf(s));
-  const SplitStar star = hierarchy_->star(s);
+  const SplitStar star = star_of(*hierarchy_, s);
   star.for_each_removed_ref([&](const FaceRef& face) { set_removed(face, false); });
   for_each_corner_need(star, [&](SplitId needed) {
     const auto at = corner_needs_.find(needed);

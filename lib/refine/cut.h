@@ -13,6 +13,7 @@
 #include "base/memory.h"
 #include "base/platform.h"
 #include "occlod/hierarchy.h"
+#include "splits/star.h"
 
 namespace occlod {
 
@@ -40,7 +41,7 @@ class Cut {
   // Prefetches what a coming closure(s) reads. The star of s should be in the caches already.
   void prefetch_needs(SplitId s) const noexcept {
     prefetch(&state_[s]);
-    for (const SplitId needed : hierarchy_->star(s).dependencies()) prefetch(&state_[needed]);
+    for (const SplitId needed : star_of(*hierarchy_, s).dependencies()) prefetch(&state_[needed]);
   }
   // Applies the result of the last closure(). Throws Error when a split removes a face that another has removed; only
   // clear() may follow.
@@ -104,7 +105,7 @@ void Cut::for_each_active(const Visit& visit) const {
       prefetch(hierarchy_->data().stars.data() + hierarchy_->node(applied_[i + ahead]).star);
     const SplitId s = applied_[i];
     if (!applied(s)) continue;
-    const SplitStar star = hierarchy_->star(s);
+    const SplitStar star = star_of(*hierarchy_, s);
     const std::uint32_t in_mask = std::min(star.inserted_count(), mask_slots);
     for (std::uint32_t left = ~state_[s] & ((1U << in_mask) - 1); left != 0; left &= left - 1) {
       const auto slot = static_cast<std::uint32_t>(std::countr_zero(left));
@@ -173,7 +174,7 @@ void CutSet::take_back(std::uint32_t object, SplitId s, const Visit& visit_leaf)
   triangles_ -= cut.triangle_count();
   cut.take_back(s);
   triangles_ += cut.triangle_count();
-  for (const SplitId needed : cut.hierarchy().star(s).dependencies())
+  for (const SplitId needed : star_of(cut.hierarchy(), s).dependencies())
     if (cut.is_leaf(needed)) visit_leaf(needed);
 }
 

@@ -8,6 +8,7 @@
 #include "occlod/build_hierarchy.h"
 #include "occlod/refiner.h"
 #include "splits/active_faces.h"
+#include "splits/star.h"
 #include "splits/structure.h"
 
 namespace occlod {
@@ -40,7 +41,7 @@ void FaceList::begin_frame() noexcept {
 }
 
 void FaceList::apply(SplitId s) {
-  const SplitStar star = hierarchy_->star(s);
+  const SplitStar star = star_of(*hierarchy_, s);
   assert(holes_.empty());
   star.for_each_removed([&](const FaceRef& face, const Triangle&) {
     std::uint32_t& place = place_of(face);
@@ -55,14 +56,14 @@ void FaceList::apply(SplitId s) {
 }
 
 void FaceList::take_back(SplitId s) {
-  const SplitStar star = hierarchy_->star(s);
+  const SplitStar star = star_of(*hierarchy_, s);
   assert(holes_.empty());
   for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot) holes_.push_back(place_of({s, slot}));
   free_block_of(s);
   // Keeps the corners in their original order: the removed list may start at another corner.
   star.for_each_removed([&](const FaceRef& face, const Triangle&) {
     add(face, drawn(face, face.split == no_id ? hierarchy_->data().base_faces[face.slot]
-                                              : hierarchy_->star(face.split).inserted(face.slot)));
+                                              : star_of(*hierarchy_, face.split).inserted(face.slot)));
   });
   fill_holes();
 }
@@ -114,7 +115,7 @@ void FaceList::touch(std::uint32_t place) {
 }
 
 void FaceList::new_block_of(SplitId s) {
-  const std::uint32_t size = hierarchy_->star(s).inserted_count();
+  const std::uint32_t size = star_of(*hierarchy_, s).inserted_count();
   if (free_blocks_.size() <= size) free_blocks_.resize(size + 1);
   std::vector<std::uint32_t>& free = free_blocks_[size];
   if (free.empty()) {
@@ -131,7 +132,7 @@ void FaceList::new_block_of(SplitId s) {
 
 void FaceList::free_block_of(SplitId s) {
   const std::uint32_t first = blocks_[s] - 1;
-  free_blocks_[hierarchy_->star(s).inserted_count()].push_back(first);
+  free_blocks_[star_of(*hierarchy_, s).inserted_count()].push_back(first);
   owners_[first] = no_id;
   blocks_[s] = 0;
 }
@@ -224,15 +225,15 @@ void DrawnMesh::emit_geomorphs(const Cut& cut, std::uint32_t geomorph_frames, st
     if (cut.hierarchy().has_seams())
       emit_wedge_geomorphs(cut.hierarchy(), s, t, out);
     else
-      out.push_back({cut.hierarchy().vertex_of(s), cut.hierarchy().star(s).parent_vertex(), t});
+      out.push_back({cut.hierarchy().vertex_of(s), star_of(cut.hierarchy(), s).parent_vertex(), t});
   }
 }
 
 // Lets each wedge of the vertex slide from a wedge of its parent: the one in a face that has both, or the one in the
 // removed face whose place the wedge's face takes.
 void DrawnMesh::emit_wedge_geomorphs(const Hierarchy& hierarchy, SplitId s, float t, std::vector<Geomorph>& out) {
-  const SplitStar star = hierarchy.star(s);
-  const SplitCorners corners = hierarchy.corners(s);
+  const SplitStar star = star_of(hierarchy, s);
+  const SplitCorners corners = corners_of_star(hierarchy, s);
   const VertexId u = star.parent_vertex();
   const std::size_t first = out.size();
   const auto add = [&](WedgeId wedge, WedgeId of_u) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "refine/tuning.h"
+#include "splits/star.h"
 
 namespace occlod {
 namespace {
@@ -42,7 +43,7 @@ float UnseenNeeds::weight_of_closure(std::uint32_t object, const Cut::Closure& c
 // Returns the charges of a split. If it removes several faces of another split, it is charged for each.
 float UnseenNeeds::needed_by(std::uint32_t object, SplitId s, int depth) {
   const Cut& cut = (*evaluation_.scene().cuts)[object];
-  const SplitStar star = evaluation_.scene().hierarchy(object).star(s);
+  const SplitStar star = star_of(evaluation_.scene().hierarchy(object), s);
   float unseen = 0.0F;
   star.for_each_removed_ref([&](const FaceRef& face) {
     if (face.split == no_id) return;
@@ -54,7 +55,7 @@ float UnseenNeeds::needed_by(std::uint32_t object, SplitId s, int depth) {
 // Returns the charges for splits that are already applied.
 float UnseenNeeds::needed_by_unapplied(std::uint32_t object, SplitId s) {
   const Cut& cut = (*evaluation_.scene().cuts)[object];
-  const SplitStar star = evaluation_.scene().hierarchy(object).star(s);
+  const SplitStar star = star_of(evaluation_.scene().hierarchy(object), s);
   float unseen = 0.0F;
   star.for_each_removed_ref([&](const FaceRef& face) {
     if (face.split == no_id || !cut.applied(face.split)) return;
@@ -381,7 +382,7 @@ void SplitExchange::apply_closure(const Entry& entry, const Cut::Closure& closur
     meshes_[entry.object].apply(s);
     const Front::Index k = front.obtain(s);
     for (const Front::Flag flag : {Front::applied, Front::leaf, Front::is_new}) front.set(k, flag, true);
-    for (const SplitId needed : cuts.hierarchy(entry.object).star(s).dependencies())
+    for (const SplitId needed : star_of(cuts.hierarchy(entry.object), s).dependencies())
       front.set(front.find(needed), Front::leaf, false);
   }
   changes_ += sorted_.size();

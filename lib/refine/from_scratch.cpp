@@ -8,6 +8,7 @@
 #include "refine/refined_scene.h"
 #include "refine/tuning.h"
 #include "refine/weigh.h"
+#include "splits/star.h"
 
 namespace occlod {
 namespace {
@@ -195,7 +196,7 @@ void NodeVisits::evaluate_object(std::span<const Entry> visits, std::span<Found>
   }
   if (wants_stars) {
     for (const SplitId s : splits)
-      if (const SplitStar star = hierarchy.star(s); star.is_fan())
+      if (const SplitStar star = star_of(hierarchy, s); star.is_fan())
         for (const VertexId v : star.ring()) prefetch(&hierarchy.positions()[v]);
     stars.resize(splits.size());
     star_visibility.evaluate(hierarchy, splits, view, scene_.objects[object].two_sided, stars);
@@ -402,7 +403,7 @@ void FromScratch::look_at_needed() {
     const Cut& cut = (*scene_.cuts)[object];
     needed_.clear();
     for (; end < applies_.size() && applies_[end].object == object; ++end)
-      for (const SplitId needed : hierarchy.star(applies_[end].split).dependencies()) {
+      for (const SplitId needed : star_of(hierarchy, applies_[end].split).dependencies()) {
         if (cut.applied(needed)) continue;
         hierarchy.require(needed);
         prefetch(&hierarchy.node(needed));

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/arithmetic.h"
+#include "splits/star.h"
 
 namespace occlod {
 namespace {
@@ -179,7 +180,7 @@ void Front::set(Index k, Flag flag, bool on) noexcept {
 const FrontStar& Front::star(Index k) {
   FrontNode& node = nodes_[k];
   if (node.star == FrontNode::no_star) {
-    const SplitStar star = hierarchy_->star(node.split);
+    const SplitStar star = star_of(*hierarchy_, node.split);
     star.for_each_face([&](const Triangle& t) {
       for (int corner = 0; corner < 3; ++corner) hierarchy_->require_vertex(t[corner]);
     });

@@ -1,7 +1,6 @@
-#include "refine/front_queries.h"
-
 #include <algorithm>
 
+#include "refine/frames.h"
 #include "refine/refined_scene.h"
 
 namespace occlod {

@@ -8,6 +8,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "splits/star.h"
+
 namespace occlod {
 namespace {
 
@@ -386,7 +388,7 @@ void Occluder::find_vertices(const Cut& cut, const SurfaceMotion& motion) {
   const Hierarchy& hierarchy = cut.hierarchy();
   base_roots_.assign(hierarchy.base_vertex_count(), no_id);
   for (const SplitId root : hierarchy.data().roots) {
-    const VertexId u = hierarchy.star(root).parent_vertex();
+    const VertexId u = star_of(hierarchy, root).parent_vertex();
     if (u < base_roots_.size()) base_roots_[u] = root;
   }
   vertices_.clear();

@@ -208,7 +208,8 @@ void Probe::Sums::add(const Sums& o) {
   splits_squared += o.splits_squared;
   splits_hidden += o.splits_hidden;
   stars_hidden += o.stars_hidden;
-  for (std::size_t i = 0; i < seen.size(); ++i) seen[i] += o.seen[i];
+  seen += o.seen;
+  seen_finer += o.seen_finer;
 }
 
 // Estimates the shares. Samples of very different weights are worth fewer equal ones (Kish). Some that found nothing
@@ -223,9 +224,7 @@ HiddenShares Probe::Sums::shares() const {
   result.visits_hidden = share(visits_hidden, visits);
   result.splits_hidden = trust * share(splits_hidden, splits);
   result.stars_hidden = trust * share(stars_hidden, splits);
-  if (seen.front() > 0.0)
-    for (std::size_t i = 0; i < seen.size(); ++i)
-      result.finer[i] = std::lerp(result.finer[i], seen[i] / seen.front(), trust);
+  if (seen > 0.0) result.growth = std::lerp(result.growth, seen_finer / seen, trust);
   return result;
 }
 
@@ -321,13 +320,10 @@ void Probe::count(std::span<const Step> path, float level_px) {
     sums.splits += weight;
     sums.splits_squared += weight * weight;
     if (!visibility_->hides({at.object, PointHull{star_.points(hierarchy, at.split)}})) {
-      for (double& seen : sums.seen) seen += weight;
-      for (const Step& below : path.subspan(last + 1)) {
-        const double nodes = weight * below.stands_for / at.stands_for;
-        float min_px = level_px;
-        for (std::size_t i = 1; i < sums.seen.size(); ++i)
-          if (below.error_px >= (min_px *= 0.5F)) sums.seen[i] += nodes;
-      }
+      sums.seen += weight;
+      sums.seen_finer += weight;
+      for (const Step& below : path.subspan(last + 1))
+        if (below.error_px >= 0.5F * level_px) sums.seen_finer += weight * below.stands_for / at.stands_for;
       return;
     }
     sums.stars_hidden += weight;

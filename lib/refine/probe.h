@@ -61,7 +61,8 @@ class Probe {
     double splits_squared = 0.0;  // sum of the squared weights
     double splits_hidden = 0.0;
     double stars_hidden = 0.0;
-    FinerCounts seen{};  // splits that are not hidden, and those below them
+    double seen = 0.0;        // splits that are not hidden
+    double seen_finer = 0.0;  // these, and those below them down to half of the error
 
     void add(const Sums& o);
     [[nodiscard]] HiddenShares shares() const;

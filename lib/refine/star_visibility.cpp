@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/arithmetic.h"
+#include "splits/star.h"
 
 namespace occlod {
 namespace {
@@ -102,14 +103,14 @@ void StarVisibility::evaluate(const Hierarchy& hierarchy, std::span<const SplitI
     find_fan_views(fans_, view, two_sided, views);
     for (std::size_t k = 0; k < fans_.size(); ++k) {
       const SplitId s = splits[places[k]];
-      stars[places[k]] = is_found(views, k, view) ? star_view(hierarchy.star(s), views.sphere(k), views.scale_px[k],
+      stars[places[k]] = is_found(views, k, view) ? star_view(star_of(hierarchy, s), views.sphere(k), views.scale_px[k],
                                                               {views.faces[k], views.whole[k], views.facing[k]})
                                                   : evaluate_faces(hierarchy, s, view, two_sided);
     }
     fans_.clear();
   };
   for (std::size_t i = 0; i < splits.size(); ++i) {
-    const SplitStar star = hierarchy.star(splits[i]);
+    const SplitStar star = star_of(hierarchy, splits[i]);
     if (!star.is_fan()) {
       stars[i] = evaluate_faces(hierarchy, splits[i], view, two_sided);
       continue;
@@ -124,7 +125,7 @@ void StarVisibility::evaluate(const Hierarchy& hierarchy, std::span<const SplitI
 
 // Evaluates a star of any kind face by face.
 StarView StarVisibility::evaluate_faces(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, bool two_sided) {
-  const SplitStar star = hierarchy.star(s);
+  const SplitStar star = star_of(hierarchy, s);
   const Box box = bounding_box(points(hierarchy, s));
   Sphere sphere;
   sphere.center = 0.5F * box.min + 0.5F * box.max;
@@ -144,7 +145,7 @@ StarView StarVisibility::evaluate_faces(const Hierarchy& hierarchy, SplitId s, c
 }
 
 void StarVisibility::append_points(const Hierarchy& hierarchy, SplitId s, std::vector<glm::vec3>& points) {
-  const SplitStar star = hierarchy.star(s);
+  const SplitStar star = star_of(hierarchy, s);
   const auto append = [&](VertexId v) {
     hierarchy.require_vertex(v);
     points.push_back(hierarchy.positions()[v]);

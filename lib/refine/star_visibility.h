@@ -10,6 +10,7 @@
 
 #include "occlod/hierarchy.h"
 #include "occlod/view.h"
+#include "splits/star.h"
 
 namespace occlod {
 

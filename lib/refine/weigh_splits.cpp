@@ -14,6 +14,7 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "refine/bounds_lanes-inl.h"
+#include "splits/packed_bounds.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace occlod::HWY_NAMESPACE {

@@ -25,10 +25,6 @@ struct Pen {
   float width_px = 2.0F;
 };
 
-// Draws an antialiased line between two points in world space over everything in the picture; the part in front of the
-// near plane of `view` is left out.
-void draw_line(Image& image, const View& view, const glm::dvec3& from, const glm::dvec3& to, const Pen& pen);
-
 // Clips a segment in clip space at the near plane; returns false when nothing is left.
 bool clip_near(glm::dvec4& a, glm::dvec4& b) {
   const double da = a.z + a.w;
@@ -73,6 +69,8 @@ void draw_segment(Image& image, const glm::dvec2& a, const glm::dvec2& b, const 
   }
 }
 
+// Draws an antialiased line between two points in world space over everything in the picture; the part in front of the
+// near plane of `view` is left out.
 void draw_line(Image& image, const View& view, const glm::dvec3& from, const glm::dvec3& to, const Pen& pen) {
   glm::dvec4 a = view.world_to_clip() * glm::dvec4(from, 1.0);
   glm::dvec4 b = view.world_to_clip() * glm::dvec4(to, 1.0);

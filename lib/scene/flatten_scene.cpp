@@ -117,9 +117,6 @@ std::string SceneMaterials::name_of_image(std::string file, const std::filesyste
 
 // Joins placed meshes into one, with a vertex for each wedge.
 
-// Appends everything except materials. Once any mesh has texture coordinates, earlier vertices without them get (0, 0).
-void append_placed(TriangleMesh& all, const TriangleMesh& mesh, const glm::dmat4& object_to_world);
-
 class MeshJoiner {
  public:
   // `name` names the whole in errors. `folder`: see SceneMaterials.
@@ -152,6 +149,7 @@ void append_texture_coordinates(TriangleMesh& all, const TriangleMesh& mesh, Ver
   }
 }
 
+// Appends everything except materials. Once any mesh has texture coordinates, earlier vertices without them get (0, 0).
 void append_placed(TriangleMesh& all, const TriangleMesh& mesh, const glm::dmat4& object_to_world) {
   const auto first = static_cast<VertexId>(all.positions.size());
   for (const glm::vec3& p : mesh.positions) all.positions.emplace_back(object_to_world * glm::dvec4(p, 1.0));

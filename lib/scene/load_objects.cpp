@@ -55,16 +55,6 @@ class BuildCache {
   std::function<void(const std::string&)> note_;
 };
 
-// Returns 32 hexadecimal digits that change whenever the result of the build might: they hash the bytes of the input
-// (the content of a file and of those that it names, or a generator's options), the build options, the versions of the
-// formats and of the builders' sources. Throws Error when the file cannot be read.
-[[nodiscard]] std::string cache_key_of_file(const std::filesystem::path& path, const std::string& build_options);
-[[nodiscard]] std::string cache_key_of_text(const std::string& text, const std::string& build_options);
-// Returns the key for all objects of a scene together with their placements. Throws Error when a file cannot be read or
-// a mesh cannot be found.
-[[nodiscard]] std::string cache_key_of_scene(const SceneDescription& scene, const std::filesystem::path& folder,
-                                             const std::string& build_options);
-
 namespace fs = std::filesystem;
 
 class Hasher {
@@ -99,14 +89,17 @@ void add_builder(Hasher& hasher, const std::string& build_options) {
   hasher.add(text.data(), text.size());
 }
 
-std::string cache_key_of_text(const std::string& text, const std::string& build_options) {
+// Returns 32 hexadecimal digits that change whenever the result of the build might: they hash the bytes of the input
+// (the content of a file and of those that it names, or a generator's options), the build options, the versions of the
+// formats and of the builders' sources. Throws Error when the file cannot be read.
+[[nodiscard]] std::string cache_key_of_text(const std::string& text, const std::string& build_options) {
   Hasher hasher;
   add_builder(hasher, build_options);
   hasher.add(text.data(), text.size());
   return hasher.hex();
 }
 
-std::string cache_key_of_file(const fs::path& path, const std::string& build_options) {
+[[nodiscard]] std::string cache_key_of_file(const fs::path& path, const std::string& build_options) {
   Hasher hasher;
   add_builder(hasher, build_options + path.extension().string());
   hasher.add_file(path);
@@ -114,8 +107,10 @@ std::string cache_key_of_file(const fs::path& path, const std::string& build_opt
   return hasher.hex();
 }
 
-std::string cache_key_of_scene(const SceneDescription& scene, const fs::path& folder,
-                               const std::string& build_options) {
+// Returns the key for all objects of a scene together with their placements. Throws Error when a file cannot be read or
+// a mesh cannot be found.
+[[nodiscard]] std::string cache_key_of_scene(const SceneDescription& scene, const fs::path& folder,
+                                             const std::string& build_options) {
   Hasher hasher;
   add_builder(hasher, build_options);
   std::map<std::string, std::string> keys;  // of the sources, by name

@@ -17,6 +17,7 @@
 #include "splits/build_steps.h"
 #include "splits/hierarchy_data.h"
 #include "splits/simplify.h"
+#include "splits/star.h"
 #include "splits/star_mesh.h"
 #include "splits/star_patch.h"
 #include "splits/star_record.h"
@@ -106,11 +107,6 @@ void WedgeNumbers::copy_attributes(HierarchyData& data) const {
 
 // Writes the wedges of all faces of a hierarchy, given the collapse sequence.
 
-// Fills in corners, corner_starts and base_corners of `data`, whose star records are already written; the record of
-// split s starts at star_starts[s]. The result does not depend on the number of threads. O(n).
-void write_corners(const CollapseSequence& sequence, const WedgeNumbers& numbers,
-                   std::span<const std::uint32_t> star_starts, unsigned threads, HierarchyData& data);
-
 // Writes the corner records of a range of splits in order.
 class CornerWriter {
  public:
@@ -133,6 +129,8 @@ class CornerWriter {
   std::vector<Triangle> wedges_;
 };
 
+// Fills in corners, corner_starts and base_corners of `data`, whose star records are already written; the record of
+// split s starts at star_starts[s]. The result does not depend on the number of threads. O(n).
 void write_corners(const CollapseSequence& sequence, const WedgeNumbers& numbers,
                    std::span<const std::uint32_t> star_starts, unsigned threads, HierarchyData& data) {
   const std::size_t splits = sequence.collapses.size();

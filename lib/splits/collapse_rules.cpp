@@ -7,6 +7,8 @@
 #include <limits>
 #include <numeric>
 
+#include "splits/star.h"
+
 namespace occlod {
 namespace {
 

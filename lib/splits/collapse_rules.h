@@ -10,6 +10,7 @@
 
 #include "occlod/hierarchy.h"
 #include "splits/positions.h"
+#include "splits/star.h"
 #include "splits/star_mesh.h"
 
 namespace occlod {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "splits/attribute_star.h"
+#include "splits/attribute_state.h"
 #include "splits/collapse_rules.h"
 #include "splits/fan.h"
 #include "splits/simplify.h"

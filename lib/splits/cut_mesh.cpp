@@ -4,6 +4,7 @@
 
 #include "occlod/build_hierarchy.h"
 #include "splits/active_faces.h"
+#include "splits/star.h"
 
 namespace occlod {
 
@@ -12,7 +13,7 @@ ActiveFaces::ActiveFaces(const Hierarchy& hierarchy) : hierarchy_(hierarchy), co
   first_.reserve(hierarchy.split_count() + 1);
   for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
     first_.push_back(next);
-    next += hierarchy.star(s).inserted_count();
+    next += star_of(hierarchy, s).inserted_count();
   }
   first_.push_back(next);
   active_.resize(next, false);
@@ -34,7 +35,7 @@ bool ActiveFaces::remove(const FaceRef& ref) {
 }
 
 Triangle face_at(const Hierarchy& hierarchy, const FaceRef& ref) {
-  return ref.split == no_id ? hierarchy.data().base_faces[ref.slot] : hierarchy.star(ref.split).inserted(ref.slot);
+  return ref.split == no_id ? hierarchy.data().base_faces[ref.slot] : star_of(hierarchy, ref.split).inserted(ref.slot);
 }
 
 bool same_triangle(const Triangle& a, const Triangle& b) {
@@ -50,14 +51,14 @@ void for_each_active(const Hierarchy& hierarchy, const std::vector<bool>& applie
   for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
     if (!applied[s]) continue;
     active.apply(s);
-    hierarchy.star(s).for_each_removed([&](const FaceRef& ref, const Triangle&) { active.remove(ref); });
+    star_of(hierarchy, s).for_each_removed([&](const FaceRef& ref, const Triangle&) { active.remove(ref); });
   }
   const std::span<const Triangle> base = hierarchy.data().base_faces;
   for (std::uint32_t slot = 0; slot < base.size(); ++slot)
     if (active.active({no_id, slot})) visit(FaceRef{no_id, slot}, base[slot]);
   for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
     if (!applied[s]) continue;
-    const SplitStar star = hierarchy.star(s);
+    const SplitStar star = star_of(hierarchy, s);
     for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot)
       if (active.active({s, slot})) visit(FaceRef{s, slot}, star.inserted(slot));
   }
@@ -83,7 +84,7 @@ namespace {
 
 // Returns the number of triangles after split s, given the number before it.
 std::size_t grown(const Hierarchy& hierarchy, std::size_t triangles, SplitId s) {
-  const SplitStar star = hierarchy.star(s);
+  const SplitStar star = star_of(hierarchy, s);
   return triangles + star.inserted_count() - star.removed_count();
 }
 

@@ -1,14 +1,10 @@
 #include "occlod/hierarchy.h"
 
-#include <algorithm>
 #include <cassert>
-#include <cmath>
-#include <glm/common.hpp>
-#include <glm/geometric.hpp>
-#include <limits>
 #include <utility>
 
 #include "splits/hierarchy_data.h"
+#include "splits/star.h"
 
 namespace occlod {
 namespace {
@@ -104,119 +100,22 @@ std::size_t Hierarchy::bytes() const noexcept {
          view_.base_corners.size_bytes() + view_.attribute_errors.size_bytes();
 }
 
-namespace {
-
-constexpr double steps = 65535.0;
-
-float down(double x) {
-  const auto f = static_cast<float>(x);
-  return static_cast<double>(f) <= x ? f : std::nextafter(f, std::numeric_limits<float>::lowest());
-}
-float up(double x) { return -down(-x); }
-
-// Returns step q of the range [middle - half, middle + half], before rounding to single precision.
-double step_of(double middle, double half, std::uint16_t q) { return middle + (2.0 * q / steps - 1.0) * half; }
-// Returns step q of [0, end].
-double step_of(double end, std::uint16_t q) { return end * (q / steps); }
-
-float unpack_cos(std::uint16_t cone_cos) {
-  return cone_cos == 0 ? -1.0F : static_cast<float>(cone_cos) * static_cast<float>(1.0 / steps);
-}
-
-// Truncates, because steps are not negative.
-std::uint16_t clamped(double q) { return static_cast<std::uint16_t>(std::clamp(q, 0.0, steps)); }
-
-// Returns where x lies in the range, in steps. The rounding error is far below step_slack: either differences of
-// single-precision numbers are exact in double precision, or the range is smaller than the last place of the unpacked
-// value.
-double steps_to(double middle, double half, float x) {
-  return ((static_cast<double>(x) - middle) / half + 1.0) * (0.5 * steps);
-}
-constexpr double step_slack = 1e-6;
-
-// Returns the last step that unpacks to at most x, or the one before it.
-std::uint16_t pack_down(double middle, double half, float x) {
-  const std::uint16_t q = half > 0.0 ? clamped(steps_to(middle, half, x) - step_slack) : std::uint16_t{0};
-  assert(down(step_of(middle, half, q)) <= x);
-  return q;
-}
-// Returns the first step that unpacks to at least x, or the one after it.
-std::uint16_t pack_up(double middle, double half, float x) {
-  const std::uint16_t q = half > 0.0 ? clamped(steps_to(middle, half, x) + step_slack + 1.0) : std::uint16_t{65535};
-  assert(up(step_of(middle, half, q)) >= x);
-  return q;
-}
-
-}  // namespace
-
-// Encodes the direction octahedrally: projects it onto |x| + |y| + |z| = 1, whose lower half is folded over the
-// diagonals (Meyer et al. 2010, "On floating-point normal vectors").
-void PackedBounds::set_axis(const glm::vec3& direction) {
-  const glm::dvec3 n =
-      glm::dvec3(direction) / (std::abs(static_cast<double>(direction.x)) + std::abs(static_cast<double>(direction.y)) +
-                               std::abs(static_cast<double>(direction.z)));
-  double x = n.x, y = n.y;
-  if (n.z < 0.0) {
-    x = std::copysign(1.0 - std::abs(n.y), n.x);
-    y = std::copysign(1.0 - std::abs(n.x), n.y);
+SplitFaces Hierarchy::faces_of(SplitId s) const {
+  const SplitStar star = star_of(*this, s);
+  const SplitCorners corners = corners_of_star(*this, s);
+  SplitFaces faces{star.vertex(), star.parent_vertex(), {}, {}, {}, {}, {}};
+  faces.dependencies.assign(star.dependencies().begin(), star.dependencies().end());
+  for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot) {
+    faces.inserted.push_back(star.inserted(slot));
+    faces.inserted_wedges.push_back(corners.inserted(slot));
   }
-  const auto pack = [](double coordinate) { return clamped((coordinate + 1.0) * 0.5 * steps + 0.5); };
-  axis = {pack(x), pack(y)};
+  star.for_each_removed([&](const FaceRef& ref, const Triangle& vertices) {
+    faces.removed_refs.push_back(ref);
+    faces.removed.push_back(vertices);
+  });
+  return faces;
 }
 
-glm::vec3 PackedBounds::unpack_axis() const noexcept {
-  constexpr float scale = 2.0F / 65535.0F;
-  glm::vec3 n(static_cast<float>(axis[0]) * scale - 1.0F, static_cast<float>(axis[1]) * scale - 1.0F, 0.0F);
-  n.z = 1.0F - std::abs(n.x) - std::abs(n.y);
-  const float fold = std::max(-n.z, 0.0F);
-  n.x -= std::copysign(fold, n.x);
-  n.y -= std::copysign(fold, n.y);
-  return glm::normalize(n);
-}
-
-void PackedBounds::set_cone(float cos_angle) {
-  if (!(cos_angle > 0.0F)) {
-    cone_cos = 0;
-    return;
-  }
-  cone_cos = clamped(static_cast<double>(cos_angle) * steps);
-  if (cone_cos > 0 && unpack_cos(cone_cos) > cos_angle) --cone_cos;  // unpacking rounds as well
-}
-
-NormalCone PackedBounds::cone() const noexcept { return {unpack_axis(), unpack_cos(cone_cos)}; }
-
-void PackedBounds::set_cylinder(const Sphere& sphere, const Cylinder& cylinder) {
-  const double r = static_cast<double>(sphere.radius);
-  cylinder_radius =
-      r > 0.0 ? clamped(static_cast<double>(cylinder.radius) / r * steps + step_slack + 1.0) : std::uint16_t{0};
-  assert(up(step_of(r, cylinder_radius)) >= cylinder.radius);
-  cylinder_t = {pack_down(0.0, r, cylinder.t_min), pack_up(0.0, r, cylinder.t_max)};
-}
-
-Cylinder PackedBounds::cylinder(const Sphere& sphere) const noexcept {
-  const double r = static_cast<double>(sphere.radius);
-  return {sphere.center, up(step_of(r, cylinder_radius)), unpack_axis(), down(step_of(0.0, r, cylinder_t[0])),
-          up(step_of(0.0, r, cylinder_t[1]))};
-}
-
-void PackedBounds::set_box(const Sphere& sphere, const Box& box) {
-  for (int i = 0; i < 3; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double middle = static_cast<double>(sphere.center[i]), half = static_cast<double>(sphere.radius);
-    box_min[k] = pack_down(middle, half, box.min[i]);
-    box_max[k] = pack_up(middle, half, box.max[i]);
-  }
-}
-
-Box PackedBounds::box(const Sphere& sphere) const noexcept {
-  Box box;
-  for (int i = 0; i < 3; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double middle = static_cast<double>(sphere.center[i]), half = static_cast<double>(sphere.radius);
-    box.min[i] = down(step_of(middle, half, box_min[k]));
-    box.max[i] = up(step_of(middle, half, box_max[k]));
-  }
-  return box;
-}
+VertexId Hierarchy::parent_vertex(SplitId s) const noexcept { return star_of(*this, s).parent_vertex(); }
 
 }  // namespace occlod

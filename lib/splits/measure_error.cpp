@@ -208,7 +208,6 @@ struct ForwardErrors {
   std::vector<float> errors;
   float floor = 0.0F;  // exceeds the distance of any cell from the input face it starts with
 };
-[[nodiscard]] ForwardErrors forward_errors(const TriangleMesh& mesh, const LevelFaces& levels);
 
 // The floor in radii of the widest cell, at least 1. A cell that extends over the edge of its face counts as away from
 // it although another face is right there, so errors of about the cell size cannot be measured like this.
@@ -347,17 +346,11 @@ class ForwardPass {
   std::vector<glm::vec3> corners_;
 };
 
-ForwardErrors forward_errors(const TriangleMesh& mesh, const LevelFaces& levels) {
+[[nodiscard]] ForwardErrors forward_errors(const TriangleMesh& mesh, const LevelFaces& levels) {
   return ForwardPass(mesh, levels).run();
 }
 
 // Bounds the distance of any cut from the input: the other half of the guaranteed error.
-
-// Returns, for each collapse, a bound on the distance of every point of the faces that it made from the input: the
-// bound of the faces that it ended plus its own movement, or, where that is much more than `wanted`, the distance
-// measured against a finer mesh of the sequence.
-[[nodiscard]] std::vector<float> backward_errors(const TriangleMesh& mesh, const LevelFaces& levels,
-                                                 std::span<const float> wanted);
 
 constexpr float round_sum_up = 1.0F + 1e-6F;
 // Reference meshes are kept at every halving of the number of faces; only the latest of them stay.
@@ -435,7 +428,11 @@ class BackwardPass {
   std::vector<std::unique_ptr<Reference>> references_;  // from fine to coarse
 };
 
-std::vector<float> backward_errors(const TriangleMesh& mesh, const LevelFaces& levels, std::span<const float> wanted) {
+// Returns, for each collapse, a bound on the distance of every point of the faces that it made from the input: the
+// bound of the faces that it ended plus its own movement, or, where that is much more than `wanted`, the distance
+// measured against a finer mesh of the sequence.
+[[nodiscard]] std::vector<float> backward_errors(const TriangleMesh& mesh, const LevelFaces& levels,
+                                                 std::span<const float> wanted) {
   return BackwardPass(mesh, levels, wanted).run();
 }
 

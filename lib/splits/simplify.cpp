@@ -20,10 +20,6 @@ namespace {
 
 // Joins the records of all blocks into one collapse sequence.
 
-// Fills in the sequence's collapses, their places and the misplaced faces. The records are in an order in which their
-// collapses can be made; the sequence is in the order of ranks, which is another such order. Consumes `records`.
-void join_records(CollapseRecords& records, CollapseSequence& sequence, unsigned threads, const ProgressPart& progress);
-
 // Returns the ids of all collapses by ascending rank; equal ranks keep the order of recording.
 UninitializedVector<Keyed> by_rank(const CollapseRecords& records, unsigned threads) {
   // Ranks are not negative, so their bits ascend with them. Only three bits of the mantissa are kept: equal keys stay
@@ -60,6 +56,8 @@ void join_attributes(CollapseRecords& records, const UninitializedVector<Keyed>&
   }
 }
 
+// Fills in the sequence's collapses, their places and the misplaced faces. The records are in an order in which their
+// collapses can be made; the sequence is in the order of ranks, which is another such order. Consumes `records`.
 void join_records(CollapseRecords& records, CollapseSequence& sequence, unsigned threads,
                   const ProgressPart& progress) {
   const UninitializedVector<Keyed> order = by_rank(records, threads);

@@ -18,16 +18,6 @@ namespace {
 
 // Searches in stars of any size, from three faces to a hundred thousand.
 
-// Puts faces into ring order, starting with the first. Returns false, and leaves them in any order, when they are not
-// one closed fan.
-[[nodiscard]] bool chain(std::span<StarFace> faces);
-
-// Returns the index of v in a ring, or the ring's size. Avoids a branch per vertex.
-[[nodiscard]] std::uint32_t position_of(std::span<const VertexId> ring, VertexId v);
-
-// Returns the index of a vertex that is in the ring, searching from `hint`.
-[[nodiscard]] std::uint32_t position_near(std::span<const VertexId> ring, VertexId v, std::size_t hint);
-
 // Chains faces when there are too many for a linear search for each next one.
 bool chain_by_sorting(std::span<StarFace> faces) {
   // In a ring each vertex is the next of exactly one face and the last of exactly one face.
@@ -51,7 +41,9 @@ bool chain_by_sorting(std::span<StarFace> faces) {
   return true;
 }
 
-bool chain(std::span<StarFace> faces) {
+// Puts faces into ring order, starting with the first. Returns false, and leaves them in any order, when they are not
+// one closed fan.
+[[nodiscard]] bool chain(std::span<StarFace> faces) {
   constexpr std::size_t max_by_search = 64;
   const std::size_t n = faces.size();
   if (n < 3) return false;
@@ -69,7 +61,8 @@ bool chain(std::span<StarFace> faces) {
   return faces[n - 1].last == faces[0].next;
 }
 
-std::uint32_t position_of(std::span<const VertexId> ring, VertexId v) {
+// Returns the index of v in a ring, or the ring's size. Avoids a branch per vertex.
+[[nodiscard]] std::uint32_t position_of(std::span<const VertexId> ring, VertexId v) {
   constexpr std::size_t step = 32;
   std::size_t at = 0;
   for (; at + step <= ring.size(); at += step) {
@@ -81,7 +74,8 @@ std::uint32_t position_of(std::span<const VertexId> ring, VertexId v) {
   return static_cast<std::uint32_t>(at);
 }
 
-std::uint32_t position_near(std::span<const VertexId> ring, VertexId v, std::size_t hint) {
+// Returns the index of a vertex that is in the ring, searching from `hint`.
+[[nodiscard]] std::uint32_t position_near(std::span<const VertexId> ring, VertexId v, std::size_t hint) {
   for (std::size_t reach = 64;; reach *= 8) {
     const std::size_t begin = hint > reach ? std::min(hint - reach, ring.size()) : 0;
     const std::size_t end = std::min(hint + reach, ring.size());

@@ -6,6 +6,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "splits/star.h"
+
 namespace occlod {
 namespace {
 

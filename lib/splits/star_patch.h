@@ -14,6 +14,7 @@
 #include "occlod/base.h"
 #include "occlod/bounds.h"
 #include "occlod/hierarchy.h"
+#include "splits/star.h"
 
 namespace occlod {
 

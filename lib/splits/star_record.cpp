@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "splits/star.h"
+
 namespace occlod {
 namespace {
 

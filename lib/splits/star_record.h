@@ -11,6 +11,7 @@
 #include "occlod/base.h"
 #include "occlod/hierarchy.h"
 #include "occlod/mesh.h"
+#include "splits/star.h"
 
 namespace occlod {
 

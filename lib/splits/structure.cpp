@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "occlod/build_hierarchy.h"
+#include "splits/star.h"
 #include "splits/star_record.h"
 
 namespace occlod {

@@ -8,6 +8,7 @@
 #include "base/platform.h"
 #include "base/threads.h"
 #include "splits/build_steps.h"
+#include "splits/packed_bounds.h"
 #include "splits/star_patch.h"
 
 namespace occlod {
@@ -202,8 +203,9 @@ class SubtreeBounds {
   // Centres all bounds on the middle of the box. The paper uses the normal of the split vertex as the axis; we use the
   // mean normal of the subtree, which is that of its surface at every level.
   void start_bounds(NodeExtents& nodes, std::size_t i, const Region& region) {
-    PackedBounds& bounds = data().nodes[region.split].bounds;
+    PackedBounds bounds;
     bounds.set_axis(unit_or(region.normal, glm::vec3(0, 0, 1)));
+    set_packed_bounds(data().nodes[region.split], bounds);
     nodes.start(i, center_of(region.box), bounds.unpack_axis());
     if (region.size < NodeExtents::capacity) nodes.size[i] = static_cast<std::int32_t>(region.size);
   }
@@ -236,9 +238,11 @@ class SubtreeBounds {
     const Cylinder cylinder{center, std::min(nodes.cylinder_radius[i] + slack, node.sphere.radius), glm::vec3(0.0F),
                             std::max(nodes.t_min[i] - slack, -node.sphere.radius),
                             std::min(nodes.t_max[i] + slack, node.sphere.radius)};
-    node.bounds.set_cone(nodes.has_normal[i] != 0 ? nodes.cos_angle[i] : -1.0F);
-    node.bounds.set_cylinder(node.sphere, cylinder);
-    node.bounds.set_box(node.sphere, box);
+    PackedBounds bounds = packed_bounds(node);
+    bounds.set_cone(nodes.has_normal[i] != 0 ? nodes.cos_angle[i] : -1.0F);
+    bounds.set_cylinder(node.sphere, cylinder);
+    bounds.set_box(node.sphere, box);
+    set_packed_bounds(node, bounds);
   }
 
   Assembly assembly_;

@@ -13,6 +13,7 @@
 #include "occlod/build_hierarchy.h"
 #include "splits/active_faces.h"
 #include "splits/collapse_rules.h"
+#include "splits/star.h"
 #include "splits/star_mesh.h"
 
 namespace occlod {
@@ -30,7 +31,7 @@ class LimitedReplay {
     first_face_.reserve(hierarchy.split_count());
     for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
       first_face_.push_back(next);
-      next += hierarchy.star(s).inserted_count();
+      next += star_of(hierarchy, s).inserted_count();
     }
     moved_.assign(next, 0.0F);
   }
@@ -39,7 +40,7 @@ class LimitedReplay {
     for (auto s = static_cast<SplitId>(h_.split_count()); s-- > 0;) {
       stays_[s] = stays_[s] || !undo(s);
       if (stays_[s])
-        for (const SplitId needed : h_.star(s).dependencies()) stays_[needed] = true;
+        for (const SplitId needed : star_of(h_, s).dependencies()) stays_[needed] = true;
     }
   }
 
@@ -48,7 +49,7 @@ class LimitedReplay {
     for (SplitId s = 0; s < h_.split_count(); ++s) {
       if (!stays_[s]) continue;
       active.apply(s);
-      h_.star(s).for_each_removed_ref([&](const FaceRef& ref) { active.remove(ref); });
+      star_of(h_, s).for_each_removed_ref([&](const FaceRef& ref) { active.remove(ref); });
     }
     MotionCut cut;
     const auto add = [&](const FaceRef& ref, const Triangle& t) {
@@ -60,7 +61,7 @@ class LimitedReplay {
       add({no_id, slot}, h_.data().base_faces[slot]);
     for (SplitId s = 0; s < h_.split_count(); ++s) {
       if (!stays_[s]) continue;
-      const SplitStar star = h_.star(s);
+      const SplitStar star = star_of(h_, s);
       for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot) add({s, slot}, star.inserted(slot));
     }
     return cut;
@@ -73,7 +74,7 @@ class LimitedReplay {
 
   // Undoes a split; returns false when its collapse has to be left out.
   bool undo(SplitId s) {
-    const SplitStar star = h_.star(s);
+    const SplitStar star = star_of(h_, s);
     if (star.inserted_count() == 0) return false;
     const VertexId v = star.vertex(), u = star.parent_vertex();
     if (!has_inserted_star(mesh_, star)) return false;
@@ -161,7 +162,7 @@ class SurfaceMotion::Replay {
 
  private:
   bool undo(SplitId s) {
-    const SplitStar star = h_.star(s);
+    const SplitStar star = star_of(h_, s);
     const VertexId v = star.vertex(), u = star.parent_vertex();
     if (!has_inserted_star(mesh_, star)) return false;
     if (star.inserted_count() == 0) return true;
@@ -232,7 +233,7 @@ SurfaceMotion::SurfaceMotion(const Hierarchy& hierarchy)
   first_face_.reserve(hierarchy.split_count());
   for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
     first_face_.push_back(next);
-    next += hierarchy.star(s).inserted_count();
+    next += star_of(hierarchy, s).inserted_count();
   }
   moved_.assign(next, 0);
   if (!Replay(hierarchy, *this).run()) std::fill(moved_.begin(), moved_.end(), upper_half(infinity));

@@ -11,6 +11,7 @@
 
 #include "occlod/build_hierarchy.h"
 #include "splits/active_faces.h"
+#include "splits/star.h"
 #include "splits/star_mesh.h"
 #include "splits/triangle_keys.h"
 
@@ -101,7 +102,7 @@ class Validator {
         report("split {} has a smaller error than split {}, which {}", coarse, fine, relation);
     };
     for (SplitId s = 0; s < splits_; ++s) {
-      for (const SplitId t : h_.star(s).dependencies()) check(t, s, "depends on it");
+      for (const SplitId t : star_of(h_, s).dependencies()) check(t, s, "depends on it");
       for (const SplitId child : {d_.nodes[s].child_u, d_.nodes[s].child_v})
         if (child != no_id) check(s, child, "is below it in the forest");
     }
@@ -114,7 +115,7 @@ class Validator {
     const std::size_t base_vertices = h_.base_vertex_count();
     std::vector<VertexId> corners;
     for (SplitId s = 0; s < splits_; ++s) {
-      const SplitStar star = h_.star(s);
+      const SplitStar star = star_of(h_, s);
       corners.clear();
       star.for_each_removed([&](const FaceRef&, const Triangle& t) { corners.insert(corners.end(), {t.x, t.y, t.z}); });
       std::sort(corners.begin(), corners.end());
@@ -193,14 +194,14 @@ class Validator {
   template <typename Visit>
   void for_each_own_point(SplitId s, const Visit& visit) const {
     visit(d_.positions[h_.vertex_of(s)]);
-    h_.star(s).for_each_face([&](const Triangle& t) {
+    star_of(h_, s).for_each_face([&](const Triangle& t) {
       for (int k = 0; k < 3; ++k) visit(d_.positions[t[k]]);
     });
   }
   // Visits the unit normals of the own faces that have an area.
   template <typename Visit>
   void for_each_own_normal(SplitId s, const Visit& visit) const {
-    h_.star(s).for_each_face([&](const Triangle& t) {
+    star_of(h_, s).for_each_face([&](const Triangle& t) {
       const glm::dvec3 a(d_.positions[t.x]), b(d_.positions[t.y]), c(d_.positions[t.z]);
       const glm::dvec3 normal = glm::cross(b - a, c - a);
       const double length = glm::length(normal);
@@ -270,7 +271,7 @@ class Validator {
   void replay() {
     ActiveFaces active(h_);
     for (SplitId s = 0; s < splits_; ++s) {
-      h_.star(s).for_each_removed([&](const FaceRef& ref, const Triangle& t) {
+      star_of(h_, s).for_each_removed([&](const FaceRef& ref, const Triangle& t) {
         if (!active.remove(ref))
           report("split {} removes a face of split {} that is not active", s, ref.split);
         else if (!same_triangle(t, face_at(h_, ref)))
@@ -293,8 +294,8 @@ class Validator {
     for (std::uint32_t f = 0; f < d_.base_faces.size(); ++f)
       if (!is_one(wedges_of_face(h_, {no_id, f}, d_.base_faces[f]))) report("base face {} has several materials", f);
     for (SplitId s = 0; s < splits_; ++s) {
-      const SplitCorners corners = h_.corners(s);
-      for (std::uint32_t slot = 0; slot < h_.star(s).inserted_count(); ++slot)
+      const SplitCorners corners = corners_of_star(h_, s);
+      for (std::uint32_t slot = 0; slot < star_of(h_, s).inserted_count(); ++slot)
         if (!is_one(corners.inserted(slot))) report("split {} inserts a face of several materials", s);
     }
   }
@@ -324,7 +325,7 @@ class Validator {
       stack_.pop_back();
       if (applied[t]) continue;
       applied[t] = true;
-      for (const SplitId needed : h_.star(t).dependencies()) stack_.push_back(needed);
+      for (const SplitId needed : star_of(h_, t).dependencies()) stack_.push_back(needed);
     }
   }
 
@@ -334,7 +335,7 @@ class Validator {
     for (VertexId v = 0; v < stands_for.size(); ++v)
       stands_for[v] = v < base_vertices || applied[v - base_vertices]
                           ? v
-                          : stands_for[h_.star(static_cast<SplitId>(v - base_vertices)).parent_vertex()];
+                          : stands_for[star_of(h_, static_cast<SplitId>(v - base_vertices)).parent_vertex()];
     ChainSum boundary, expected;
     for (const Triangle& t : active_triangles(h_, applied)) {
       for_each_edge(t, [&](VertexId from, VertexId to) { boundary.add(from, to); });

@@ -30,15 +30,13 @@ std::vector<std::unique_ptr<Visibility>> make_backends(const std::vector<std::st
 }
 
 struct PythonForecast {
-  std::string effort;
   std::optional<std::string> backend;
-  EffortForecast forecast;
+  EffectForecast forecast;
   bool chosen = false;
 };
 
 struct PythonEffectReport {
   std::vector<PythonForecast> forecasts;
-  std::string effort;
   std::optional<std::string> backend;
   EffectReport report;
 };
@@ -50,12 +48,10 @@ std::optional<std::string> backend_name(const AutoRefiner& refiner, const std::o
 
 PythonEffectReport report_of(const AutoRefiner& refiner) {
   const EffectReport& report = refiner.report();
-  PythonEffectReport result{
-      {}, std::string(name_of(report.choice.effort)), backend_name(refiner, report.choice.backend), report};
-  for (const EffortForecast& forecast : report.forecasts)
-    result.forecasts.push_back({std::string(name_of(forecast.effort)), backend_name(refiner, forecast.backend),
-                                forecast,
-                                forecast.effort == report.choice.effort && forecast.backend == report.choice.backend});
+  PythonEffectReport result{{}, backend_name(refiner, report.choice.backend), report};
+  for (const EffectForecast& forecast : report.forecasts)
+    result.forecasts.push_back(
+        {backend_name(refiner, forecast.backend), forecast, forecast.backend == report.choice.backend});
   return result;
 }
 
@@ -114,8 +110,7 @@ void bind_calibration(nb::module_& m) {
 }
 
 void bind_report(nb::module_& m) {
-  nb::class_<PythonForecast>(m, "EffortForecast", "What one effort with one backend is expected to cost and give.")
-      .def_ro("effort", &PythonForecast::effort, "How much would be asked, e.g. \"stars\".")
+  nb::class_<PythonForecast>(m, "EffectForecast", "What queries of one backend are expected to cost and give.")
       .def_ro("backend", &PythonForecast::backend, "Its name, or None where nothing is asked.")
       .def_ro("chosen", &PythonForecast::chosen)
       .def_prop_ro(
@@ -127,7 +122,6 @@ void bind_report(nb::module_& m) {
       .def_prop_ro(
           "score", [](const PythonForecast& f) { return f.forecast.score(); }, "The smaller the better.");
   nb::class_<PythonEffectReport>(m, "EffectReport", "What was chosen for a view, and why.")
-      .def_ro("effort", &PythonEffectReport::effort)
       .def_ro("backend", &PythonEffectReport::backend, "Its name, or None where nothing was asked.")
       .def_ro("forecasts", &PythonEffectReport::forecasts, "Of everything that could have been chosen.")
       .def_prop_ro(

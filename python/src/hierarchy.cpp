@@ -60,9 +60,8 @@ Array2<std::uint32_t, 2> collapses(const Hierarchy& hierarchy) {
     hierarchy.require_all();
     pairs.reserve(2 * hierarchy.split_count());
     for (std::size_t s = hierarchy.split_count(); s-- > 0;) {
-      const SplitStar star = hierarchy.star(static_cast<SplitId>(s));
-      pairs.push_back(star.vertex());
-      pairs.push_back(star.parent_vertex());
+      pairs.push_back(hierarchy.vertex_of(static_cast<SplitId>(s)));
+      pairs.push_back(hierarchy.parent_vertex(static_cast<SplitId>(s)));
     }
   }
   return rows_array_of<std::uint32_t, 2>(std::move(pairs));
@@ -124,7 +123,7 @@ std::vector<std::uint32_t> vertex_map(const Hierarchy& hierarchy, const FixedCut
   for (std::size_t i = 0; i < used.size(); ++i) map[used[i]] = static_cast<std::uint32_t>(i);
   // Parents come first: a split depends on smaller ones only.
   for (SplitId s = 0; s < hierarchy.split_count(); ++s)
-    if (!cut.applied[s]) map[hierarchy.vertex_of(s)] = map[hierarchy.star(s).parent_vertex()];
+    if (!cut.applied[s]) map[hierarchy.vertex_of(s)] = map[hierarchy.parent_vertex(s)];
   return map;
 }
 

@@ -17,6 +17,7 @@
 #include "occlod/mesh.h"
 #include "occlod/view.h"
 #include "oracle/culling_oracle.h"
+#include "splits/star.h"
 
 namespace occlod {
 namespace {
@@ -44,7 +45,7 @@ class Truth {
     for (const glm::vec3& p : hierarchy.positions()) outside_.push_back(oracle.planes_outside(p));
     const std::span<const glm::vec3> at = hierarchy.positions();
     for (auto s = static_cast<SplitId>(hierarchy.split_count()); s-- > 0;) {  // children before parents
-      hierarchy.star(s).for_each_face([&](const Triangle& t) {
+      star_of(hierarchy, s).for_each_face([&](const Triangle& t) {
         if ((outside_[t.x] & outside_[t.y] & outside_[t.z]) == 0) reaches_in_[s] = true;
         if (!faces_eye_[s] && oracle.faces_eye(at[t.x], at[t.y], at[t.z])) faces_eye_[s] = true;
       });
@@ -77,7 +78,7 @@ void judge_scale(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, 
                  const Truth& truth, HardViews& random, Counts& counts) {
   const float scale = view.largest_scale_px(hierarchy.node(s).sphere);
   if (std::isinf(scale)) return;
-  hierarchy.star(s).for_each_inserted([&](const Triangle& t) {
+  star_of(hierarchy, s).for_each_inserted([&](const Triangle& t) {
     for (int k = 0; k < 3; ++k) {
       if (!truth.is_inside(t[k])) continue;
       ++counts.scales;

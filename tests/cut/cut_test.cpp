@@ -8,6 +8,7 @@
 #include <string>
 
 #include "occlod/build_hierarchy.h"
+#include "splits/star.h"
 #include "support/meshes.h"
 
 namespace occlod {
@@ -25,7 +26,7 @@ std::set<SplitId> closure_by_definition(SplitId s, const Cut& cut) {
     const SplitId t = open.back();
     open.pop_back();
     if (cut.applied(t) || !closure.insert(t).second) continue;
-    for (const SplitId needed : hierarchy().star(t).dependencies()) open.push_back(needed);
+    for (const SplitId needed : star_of(hierarchy(), t).dependencies()) open.push_back(needed);
   }
   return closure;
 }
@@ -78,7 +79,7 @@ TEST(Cut, AllSplitsGiveTheInputAndClearGivesTheBase) {
 bool is_leaf_by_definition(SplitId s, const Cut& cut) {
   for (SplitId t = s + 1; t < cut.hierarchy().split_count(); ++t) {
     if (!cut.applied(t)) continue;
-    const std::span<const SplitId> needed = cut.hierarchy().star(t).dependencies();
+    const std::span<const SplitId> needed = star_of(cut.hierarchy(), t).dependencies();
     if (std::find(needed.begin(), needed.end(), s) != needed.end()) return false;
   }
   return true;

@@ -7,6 +7,7 @@
 
 #include "occlod/build_hierarchy.h"
 #include "refine/drawn_mesh.h"
+#include "splits/star.h"
 #include "support/meshes.h"
 
 namespace occlod {
@@ -139,7 +140,7 @@ TEST(FaceList, OneSplitChangesFewPlaces) {
     faces.changes(changes);
     std::uint32_t changed = 0;
     for (const TriangleRange& range : changes) changed += range.count;
-    EXPECT_EQ(changed, hierarchy.star(s).inserted_count()) << s;  // which take the places of those that are removed
+    EXPECT_EQ(changed, star_of(hierarchy, s).inserted_count()) << s;  // which take the places of those that are removed
   }
 }
 

@@ -12,6 +12,7 @@
 #include "effect_scenes.h"
 #include "occlod/base.h"
 #include "occlod/visibility.h"
+#include "refine/forecast.h"
 #include "support/bad_options.h"
 
 namespace occlod::test {
@@ -36,7 +37,7 @@ TEST(AutoRefiner, AsksNothingWhereNothingHides) {
   AutoRefiner refiner = refiner_of(objects);
   for (int i = 0; i < 4; ++i) {
     const Refinement& refinement = refiner.refine(above_ground(), budget_of(3'000));
-    EXPECT_EQ(refiner.report().choice.effort, OcclusionEffort::none) << i;
+    EXPECT_FALSE(refiner.report().choice.backend) << i;
     EXPECT_EQ(refinement.stats.queries, 0U);
     EXPECT_EQ(refinement.stats.occluder_draws, 0U);
   }
@@ -61,7 +62,7 @@ TEST(AutoRefiner, AsksWhereAWallHidesTheRest) {
   AutoRefiner refiner = refiner_of(objects);
   for (int i = 0; i < 3; ++i) {
     const Refinement& refinement = refiner.refine(before_wall(), budget_of(5'000));
-    EXPECT_NE(refiner.report().choice.effort, OcclusionEffort::none) << i;
+    EXPECT_TRUE(refiner.report().choice.backend) << i;
     EXPECT_GT(refinement.stats.queries_hidden, 0U) << i;
   }
 }
@@ -110,7 +111,7 @@ TEST(AutoRefiner, ChoosesObjectByObject) {
   const View view = before_wall();
   for (int i = 0; i < 3; ++i) (void)refiner.refine(view, budget_of(6'000));
   const EffectReport& report = refiner.report();
-  ASSERT_NE(report.choice.effort, OcclusionEffort::none);
+  ASSERT_TRUE(report.choice.backend);
   const ObjectEffects& open = report.choice.objects[1];
   EXPECT_TRUE(!open.occlusion || open.regions == 0) << report.objects[1].queries();
   EXPECT_GT(report.objects[0].queries(), 0U);
@@ -140,7 +141,9 @@ TEST(AutoRefiner, ChoicesCanBeReplayed) {
     const std::uint64_t hash = refiner.refine(before_wall(), budget_of(5'000)).hash();
     const EffectChoice choice = refiner.report().choice;
     ASSERT_TRUE(choice.backend);
-    EXPECT_EQ(plain.refine(before_wall(), choice.with(budget_of(5'000)), *software).hash(), hash) << i;
+    std::shared_ptr<const Tuning> tuning;
+    const RefineOptions options = with_choice(budget_of(5'000), choice, tuning);
+    EXPECT_EQ(plain.refine(before_wall(), options, *software).hash(), hash) << i;
   }
 }
 
@@ -171,7 +174,7 @@ TEST(AutoRefiner, FramesGoOnWhileEffectsChange) {
     const View view = view_at({3.0, 0.05 + 0.002 * i, 0.05}, {-1.0, 0.0, 0.0});
     const RefineStats stats = refiner.update(view, budget_of(1'500)).stats;
     const EffectReport& report = refiner.report();
-    EXPECT_NE(report.choice.effort, OcclusionEffort::none) << i;
+    EXPECT_TRUE(report.choice.backend) << i;
     EXPECT_LE(stats.triangles, 1'500U);
     EXPECT_EQ(stats.new_splits == stats.splits, i == 0) << i;
     EXPECT_EQ(report.objects[0].queries(), stats.queries) << i;
@@ -187,18 +190,18 @@ TEST(AutoRefiner, FramesGoOnWhenQueriesEnd) {
   const Hierarchy scene = wall_with_spheres();
   const RefineObject objects[] = {{.hierarchy = &scene}};
   AutoRefiner refiner = refiner_of(objects);
-  std::optional<OcclusionEffort> last;
+  std::optional<bool> last;
   int changes = 0;
   for (int i = 0; i < 240; ++i) {
     const double angle = 0.0131 * i;  // from before the wall to behind it, where the spheres are seen
     const View view = view_at({3.0 * std::cos(angle), 3.0 * std::sin(angle), 0.05}, {-0.5, 0.0, 0.0});
     const RefineStats stats = refiner.update(view, budget_of(1'500)).stats;
-    const OcclusionEffort effort = refiner.report().choice.effort;
-    if (last && *last != effort) {
+    const bool asks = refiner.report().choice.backend.has_value();
+    if (last && *last != asks) {
       ++changes;
       EXPECT_LT(stats.new_splits, stats.splits / 2) << i;
     }
-    last = effort;
+    last = asks;
   }
   EXPECT_GT(changes, 0);
 }
@@ -264,7 +267,7 @@ TEST(AutoRefiner, LooksBecomeRareWhereTheyChangeNothing) {
   for (int i = 0; i < 19; ++i) {
     const double x = 0.1 + 0.2 * (i % 5);
     (void)refiner.refine(view_at({x, 0.49, 1.5}, {x, 0.5, 0.0}), budget_of(3'000));
-    EXPECT_EQ(refiner.report().choice.effort, OcclusionEffort::none) << i;
+    EXPECT_FALSE(refiner.report().choice.backend) << i;
     looks.push_back(refiner.report().looked_ahead);
   }
   EXPECT_EQ(std::count(looks.begin(), looks.begin() + 3, true), 3);

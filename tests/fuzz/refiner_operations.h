@@ -18,6 +18,7 @@
 #include "occlod/refiner.h"
 #include "occlod/visibility.h"
 #include "refine/tuning.h"
+#include "splits/star.h"
 
 namespace occlod::fuzz {
 
@@ -170,7 +171,7 @@ class RefinerOperations {
     std::vector<bool> applied(planet().split_count(), false);
     std::size_t triangles = planet().base_triangle_count();
     for (const SplitId s : object.splits) {
-      const SplitStar star = planet().star(s);
+      const SplitStar star = star_of(planet(), s);
       for (const SplitId needed : star.dependencies())
         if (!applied[needed]) return "a split without one that it needs";
       applied[s] = true;

@@ -46,8 +46,8 @@ const sections::FileKind& kind_of(std::span<const std::byte> bytes) {
 }
 
 void sign_options(const fuzz::SectionSigner& file) {
-  const std::span<VlodObject> objects = file.find<VlodObject>(objects_name);
-  const std::vector<VlodObject> good = describe(scene().objects());
+  const std::span<StoredObject> objects = file.find<StoredObject>(objects_name);
+  const std::vector<StoredObject> good = describe(scene().objects());
   if (objects.size() == good.size()) std::copy(good.begin(), good.end(), objects.begin());
   const std::span<StoredOptions> stored = file.find<StoredOptions>(options_name);
   if (stored.empty()) return;

@@ -14,6 +14,7 @@
 #include "occlod/base.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/mesh.h"
+#include "splits/star.h"
 #include "support/meshes.h"
 
 namespace occlod {
@@ -171,7 +172,7 @@ TEST(BuildHierarchy, ComponentThatVanishesHasItsExtentAsError) {
   const Hierarchy hierarchy = build_hierarchy(test::many_tetrahedra(40), options);
   int vanished = 0;
   for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
-    const SplitStar star = hierarchy.star(s);
+    const SplitStar star = star_of(hierarchy, s);
     if (star.removed_count() > 0) continue;
     ++vanished;
     std::vector<glm::vec3> corners;

@@ -4,6 +4,7 @@
 
 #include "occlod/build_hierarchy.h"
 #include "occlod/mesh.h"
+#include "splits/star.h"
 #include "support/meshes.h"
 
 namespace occlod {
@@ -18,7 +19,7 @@ Hierarchy build(const TriangleMesh& mesh, std::size_t base_triangles) {
 // Every dependency of an applied split is applied.
 bool is_closed(const Hierarchy& hierarchy, const FixedCut& cut) {
   for (SplitId s = 0; s < hierarchy.split_count(); ++s)
-    for (const SplitId needed : hierarchy.star(s).dependencies())
+    for (const SplitId needed : star_of(hierarchy, s).dependencies())
       if (cut.applied[s] && !cut.applied[needed]) return false;
   return true;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "occlod/hierarchy.h"
+#include "splits/star.h"
 #include "splits/star_patch.h"
 #include "splits/star_record.h"
 

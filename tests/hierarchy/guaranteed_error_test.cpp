@@ -8,6 +8,7 @@
 #include <random>
 
 #include "occlod/build_hierarchy.h"
+#include "splits/star.h"
 #include "support/meshes.h"
 
 namespace occlod {
@@ -65,7 +66,7 @@ FixedCut random_cut(const Hierarchy& hierarchy, double share, std::mt19937& rand
   for (auto s = static_cast<SplitId>(hierarchy.split_count()); s-- > 0;) {
     if (!cut.applied[s]) cut.applied[s] = is_chosen(random);
     if (cut.applied[s])
-      for (const SplitId needed : hierarchy.star(s).dependencies()) cut.applied[needed] = true;
+      for (const SplitId needed : star_of(hierarchy, s).dependencies()) cut.applied[needed] = true;
     else
       cut.guaranteed_error = std::max(cut.guaranteed_error, hierarchy.node(s).guaranteed_error);
   }

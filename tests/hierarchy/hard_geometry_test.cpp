@@ -9,6 +9,7 @@
 #include <random>
 
 #include "occlod/mesh.h"
+#include "splits/star.h"
 #include "support/meshes.h"
 
 namespace occlod {
@@ -300,7 +301,7 @@ TEST(HardGeometry, ConesOfObliquePlanesHoldTheirNormals) {
     const Hierarchy hierarchy = build_hierarchy(mesh);
     for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
       const NormalCone cone = hierarchy.node(s).cone();
-      hierarchy.star(s).for_each_inserted([&](const Triangle& t) {
+      star_of(hierarchy, s).for_each_inserted([&](const Triangle& t) {
         const glm::dvec3 a(hierarchy.positions()[t.x]), b(hierarchy.positions()[t.y]), c(hierarchy.positions()[t.z]);
         const glm::dvec3 n = glm::normalize(glm::cross(b - a, c - a));
         EXPECT_GE(glm::dot(n, glm::dvec3(cone.axis)), static_cast<double>(cone.cos_angle));

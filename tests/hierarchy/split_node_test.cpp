@@ -6,6 +6,7 @@
 #include <random>
 
 #include "occlod/hierarchy.h"
+#include "splits/packed_bounds.h"
 
 namespace occlod {
 namespace {

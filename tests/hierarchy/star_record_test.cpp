@@ -5,6 +5,8 @@
 #include <tuple>
 #include <vector>
 
+#include "splits/star.h"
+
 namespace occlod {
 namespace {
 

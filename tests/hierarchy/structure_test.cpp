@@ -8,6 +8,7 @@
 
 #include "occlod/build_hierarchy.h"
 #include "splits/hierarchy_data.h"
+#include "splits/star.h"
 #include "support/meshes.h"
 
 namespace occlod {
@@ -38,7 +39,7 @@ TEST(CheckStructure, RefusesArraysOfTheWrongLength) {
 SplitId some_fan(const HierarchyData& d) {
   const Hierarchy hierarchy = make_hierarchy(d);
   for (auto s = static_cast<SplitId>(d.nodes.size() / 2); s > 0; --s)
-    if (hierarchy.star(s).is_fan() && hierarchy.star(s).removed_count() > 1) return s;
+    if (star_of(hierarchy, s).is_fan() && star_of(hierarchy, s).removed_count() > 1) return s;
   return no_id;
 }
 
@@ -91,7 +92,7 @@ TEST(CheckStructure, RefusesStarsThatLie) {
 TEST(CheckStructure, RefusesRemovedFacesThatNoSplitInserts) {
   expect_refused([](HierarchyData& d) {  // no fan of a smooth mesh has 16 faces
     const SplitId s = some_fan(d);
-    const std::uint32_t removed = make_hierarchy(d).star(s).removed_count();
+    const std::uint32_t removed = star_of(make_hierarchy(d), s).removed_count();
     d.stars[d.nodes[s + 1].star - (removed + 3) / 4] |= 0xF0U;
   });
   // Stars that are no fans, of a vertex with more neighbours than a fan has.
@@ -106,7 +107,7 @@ TEST(CheckStructure, RefusesRemovedFacesThatNoSplitInserts) {
     const std::uint32_t removed = data.stars[star + 4];
     for (std::uint32_t at = data.nodes[s + 1].star - 5 * removed; at < data.nodes[s + 1].star; at += 5) {
       if (data.stars[at] == no_id) continue;
-      const std::uint32_t faces = make_hierarchy(data).star(data.stars[at]).inserted_count();
+      const std::uint32_t faces = star_of(make_hierarchy(data), data.stars[at]).inserted_count();
       for (const std::uint32_t slot : {faces, no_id - 1}) {
         const std::uint32_t good_slot = std::exchange(data.stars[at + 1], slot);
         EXPECT_TRUE(check_structure(view_of(data)).has_value()) << "split " << s << ", slot " << slot;

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "occlod/build_hierarchy.h"
+#include "splits/star.h"
 #include "support/meshes.h"
 
 namespace occlod {
@@ -18,8 +19,8 @@ void for_each_face(const Hierarchy& hierarchy, const Visit& visit) {
   for (std::uint32_t slot = 0; slot < hierarchy.base_triangle_count(); ++slot)
     visit(FaceRef{no_id, slot}, hierarchy.data().base_faces[slot]);
   for (SplitId s = 0; s < hierarchy.split_count(); ++s)
-    for (std::uint32_t slot = 0; slot < hierarchy.star(s).inserted_count(); ++slot)
-      visit(FaceRef{s, slot}, hierarchy.star(s).inserted(slot));
+    for (std::uint32_t slot = 0; slot < star_of(hierarchy, s).inserted_count(); ++slot)
+      visit(FaceRef{s, slot}, star_of(hierarchy, s).inserted(slot));
 }
 
 // A face that no collapse has made is of the input.
@@ -50,7 +51,7 @@ TEST(SurfaceMotion, GrowsByNoMoreThanTheEdge) {
     const Hierarchy hierarchy = build_hierarchy(mesh);
     const SurfaceMotion motion(hierarchy);
     for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
-      const SplitStar star = hierarchy.star(s);
+      const SplitStar star = star_of(hierarchy, s);
       float before = 0.0F;
       for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot)
         before = std::max(before, motion.moved({s, slot}));
@@ -73,7 +74,8 @@ TEST(SurfaceMotion, TopologyChangesAreMarked) {
   const SurfaceMotion motion(torus);
   EXPECT_GT(motion.topology_changes(), 0U);
   bool any = false;
-  for (const SplitId root : torus.data().roots) any = any || motion.is_marked(torus.star(root).parent_vertex(), root);
+  for (const SplitId root : torus.data().roots)
+    any = any || motion.is_marked(star_of(torus, root).parent_vertex(), root);
   EXPECT_TRUE(any);
 }
 

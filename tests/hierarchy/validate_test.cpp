@@ -6,6 +6,8 @@
 
 #include "occlod/build_hierarchy.h"
 #include "splits/hierarchy_data.h"
+#include "splits/packed_bounds.h"
+#include "splits/star.h"
 #include "support/meshes.h"
 
 namespace occlod {
@@ -45,14 +47,20 @@ TEST(Validate, FindsAnErrorThatIsNotSaturated) {
 TEST(Validate, FindsBoundsThatAreTooSmall) {
   const SplitId s = inner_split();
   expect_violation("sphere", [&](HierarchyData& d) { d.nodes[s].sphere.radius *= 0.5F; });
+  const auto expect_wrong_bounds = [&](const char* what, const auto& change) {
+    expect_violation(what, [&](HierarchyData& d) {
+      PackedBounds bounds = packed_bounds(d.nodes[s]);
+      change(bounds);
+      set_packed_bounds(d.nodes[s], bounds);
+    });
+  };
   const auto shrink = [](std::uint16_t& step, double factor) { step = static_cast<std::uint16_t>(step * factor); };
-  expect_violation("box", [&](HierarchyData& d) { d.nodes[s].bounds.box_max[1] -= 1000; });  // 3 % of the sphere
-  expect_violation("box", [&](HierarchyData& d) { d.nodes[s].bounds.box_min[2] += 1000; });
-  expect_violation("cylinder", [&](HierarchyData& d) { shrink(d.nodes[s].bounds.cylinder_radius, 0.4); });
-  expect_violation("cylinder", [&](HierarchyData& d) { shrink(d.nodes[s].bounds.cylinder_t[1], 0.5); });
-  expect_violation("normal cone", [&](HierarchyData& d) {
-    std::uint16_t& cos = d.nodes[s].bounds.cone_cos;
-    cos = static_cast<std::uint16_t>(cos + (65535 - cos) / 2);
+  expect_wrong_bounds("box", [](PackedBounds& b) { b.box_max[1] -= 1000; });  // 3 % of the sphere
+  expect_wrong_bounds("box", [](PackedBounds& b) { b.box_min[2] += 1000; });
+  expect_wrong_bounds("cylinder", [&](PackedBounds& b) { shrink(b.cylinder_radius, 0.4); });
+  expect_wrong_bounds("cylinder", [&](PackedBounds& b) { shrink(b.cylinder_t[1], 0.5); });
+  expect_wrong_bounds("normal cone", [](PackedBounds& b) {
+    b.cone_cos = static_cast<std::uint16_t>(b.cone_cos + (65535 - b.cone_cos) / 2);
   });
 }
 
@@ -60,7 +68,7 @@ TEST(Validate, FindsAWrongDependency) {
   // The face that is removed belongs to the split that is named: named one lower, it is another face, or none.
   expect_violation("removes", [](HierarchyData& d) {
     for (SplitId s = 100;; ++s) {
-      const SplitStar star = good().star(s);
+      const SplitStar star = star_of(good(), s);
       if (!star.is_fan() || star.dependencies().empty() || star.dependencies()[0] == 0) continue;
       --d.stars[d.nodes[s].star + 1 + star.ring().size()];
       return;
@@ -78,7 +86,7 @@ TEST(Validate, FindsAFaceThatIsRemovedTwice) {
   // another face than its place in the star says.
   expect_violation("removes", [](HierarchyData& d) {
     for (SplitId s = 50;; ++s) {
-      const SplitStar star = good().star(s);
+      const SplitStar star = star_of(good(), s);
       if (!star.is_fan() || star.removed_count() < 2) continue;
       std::uint32_t& bytes = d.stars[d.nodes[s].star + 1 + star.ring().size() + star.dependencies().size()];
       bytes = (bytes & ~0xFFU) | ((bytes >> 8U) & 0xFFU);
@@ -97,7 +105,7 @@ TEST(Validate, EachDroppedDependencyLeavesAnOpenCut) {
   // not there.
   std::size_t all = 0, needed = 0;
   for (SplitId s = 0; s < good().split_count(); ++s) {
-    const SplitStar star = good().star(s);
+    const SplitStar star = star_of(good(), s);
     all += star.dependencies().size();
     std::set<SplitId> of_removed;
     star.for_each_removed([&](const FaceRef& face, const Triangle&) { of_removed.insert(face.split); });

@@ -10,6 +10,7 @@
 #include "raster/every_target.h"
 #include "refine/refine_support.h"
 #include "refine/star_visibility.h"
+#include "splits/star.h"
 
 namespace occlod {
 namespace {

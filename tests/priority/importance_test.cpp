@@ -9,6 +9,7 @@
 
 #include "refine/refine_support.h"
 #include "refine/tuning.h"
+#include "splits/star.h"
 
 namespace occlod {
 namespace {
@@ -98,8 +99,8 @@ TEST_F(ImportanceTest, EyeOnACornerOfATwoSidedSurface) {
   // nearest has no limit to its size on the screen.
   Importance two_sided(RefineObject{&square(), glm::dmat4(1.0), true});
   for (const SplitId s : {SplitId{0}, static_cast<SplitId>(square().split_count() - 1)}) {
-    (void)seen_from(square().positions()[square().star(s).vertex()]);
-    ASSERT_EQ(object_view_->eye(), square().positions()[square().star(s).vertex()]);
+    (void)seen_from(square().positions()[star_of(square(), s).vertex()]);
+    ASSERT_EQ(object_view_->eye(), square().positions()[star_of(square(), s).vertex()]);
     two_sided.begin(*object_view_, options_);
     EXPECT_EQ(two_sided.of(s).priority, std::numeric_limits<float>::infinity());
   }

@@ -226,8 +226,8 @@ class Backends(unittest.TestCase):
             self.assertEqual(one.hash, other.hash)
             self.assertLessEqual(one.stats.triangles, 2000)
         report = same[0].report()
-        self.assertEqual([f.effort for f in report.forecasts if f.chosen], [report.effort])
-        self.assertEqual(report.forecasts[0].effort, "none")
+        self.assertEqual([f.backend for f in report.forecasts if f.chosen], [report.backend])
+        self.assertIsNone(report.forecasts[0].backend)
         calibration.triangle_ns = -1
         with self.assertRaisesRegex(occlod.Error, "triangle_ns"):
             occlod.AutoRefiner(hierarchy, calibration=calibration)

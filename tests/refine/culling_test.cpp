@@ -7,6 +7,7 @@
 
 #include "refine/refine_support.h"
 #include "refine/tuning.h"
+#include "splits/star.h"
 
 namespace occlod {
 namespace {
@@ -67,7 +68,7 @@ bool star_is_seen(const Hierarchy& hierarchy, SplitId s, const View& view) {
     return glm::dot(glm::cross(b - a, c - a), eye - a) > -1e-9;
   };
   bool any = false;
-  hierarchy.star(s).for_each_face([&](const Triangle& t) { any = any || seen(t); });
+  star_of(hierarchy, s).for_each_face([&](const Triangle& t) { any = any || seen(t); });
   return any;
 }
 

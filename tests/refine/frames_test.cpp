@@ -18,6 +18,7 @@
 #include "refine/refine_support.h"
 #include "refine/tuning.h"
 #include "splits/hierarchy_data.h"
+#include "splits/star.h"
 
 namespace occlod {
 namespace {
@@ -368,7 +369,7 @@ TEST(FramesGeomorph, VerticesSlideFromTheirParents) {
   ASSERT_FALSE(first.objects[0].geomorphs.empty());
   const Geomorph moving = first.objects[0].geomorphs[0];
   EXPECT_EQ(moving.parent,
-            planet().star(moving.vertex - static_cast<VertexId>(planet().base_vertex_count())).parent_vertex());
+            star_of(planet(), moving.vertex - static_cast<VertexId>(planet().base_vertex_count())).parent_vertex());
   float last = 0.0F;
   int calls = 0;
   for (Refinement now = first; !now.objects[0].geomorphs.empty() && calls < 20; ++calls) {
@@ -428,7 +429,7 @@ TEST(FramesGeomorph, ParentsComeBeforeTheirChildren) {
 TEST(Frames, AFaceThatIsRemovedTwiceIsAnErrorEachTime) {
   HierarchyData data = copy_data(planet());
   for (SplitId s = 50;; ++s) {  // whose star names one face twice
-    const SplitStar star = planet().star(s);
+    const SplitStar star = star_of(planet(), s);
     if (!star.is_fan() || star.removed_count() < 2) continue;
     std::uint32_t& bytes = data.stars[data.nodes[s].star + 1 + star.ring().size() + star.dependencies().size()];
     bytes = (bytes & ~0xFFU) | ((bytes >> 8U) & 0xFFU);

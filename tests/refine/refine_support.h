@@ -10,6 +10,7 @@
 
 #include "occlod/build_hierarchy.h"
 #include "occlod/refiner.h"
+#include "splits/star.h"
 #include "support/meshes.h"
 
 namespace occlod::test {
@@ -35,7 +36,9 @@ inline std::vector<bool> applied_bits(const Hierarchy& hierarchy, const RefinedO
 inline std::vector<Triangle> active_triangles(const Hierarchy& hierarchy, const std::vector<SplitId>& splits) {
   std::set<std::pair<SplitId, std::uint32_t>> removed;
   for (const SplitId s : splits)
-    hierarchy.star(s).for_each_removed([&](const FaceRef& f, const Triangle&) { removed.emplace(f.split, f.slot); });
+    star_of(hierarchy, s).for_each_removed([&](const FaceRef& f, const Triangle&) {
+      removed.emplace(f.split, f.slot);
+    });
   std::vector<Triangle> active;
   const auto add = [&](const Triangle& t, SplitId split, std::uint32_t slot) {
     if (!removed.contains({split, slot})) active.push_back(t);
@@ -43,15 +46,15 @@ inline std::vector<Triangle> active_triangles(const Hierarchy& hierarchy, const 
   for (std::uint32_t slot = 0; slot < hierarchy.base_triangle_count(); ++slot)
     add(hierarchy.data().base_faces[slot], no_id, slot);
   for (const SplitId s : splits)
-    for (std::uint32_t slot = 0; slot < hierarchy.star(s).inserted_count(); ++slot)
-      add(hierarchy.star(s).inserted(slot), s, slot);
+    for (std::uint32_t slot = 0; slot < star_of(hierarchy, s).inserted_count(); ++slot)
+      add(star_of(hierarchy, s).inserted(slot), s, slot);
   return active;
 }
 
 inline void expect_closed(const Hierarchy& hierarchy, const RefinedObject& object) {
   const std::vector<bool> applied = applied_bits(hierarchy, object);
   for (const SplitId s : object.splits)
-    for (const SplitId t : hierarchy.star(s).dependencies())
+    for (const SplitId t : star_of(hierarchy, s).dependencies())
       ASSERT_TRUE(applied[t]) << "split " << s << " without " << t;
 }
 
@@ -65,7 +68,7 @@ inline void expect_valid_cut(const Hierarchy& hierarchy, const RefinedObject& ob
 inline std::vector<SplitId> unforced_splits(const Hierarchy& hierarchy, const RefinedObject& object) {
   std::vector<bool> forced(hierarchy.split_count(), false);
   for (const SplitId s : object.splits)
-    for (const SplitId t : hierarchy.star(s).dependencies()) forced[t] = true;
+    for (const SplitId t : star_of(hierarchy, s).dependencies()) forced[t] = true;
   std::vector<SplitId> unforced;
   std::copy_if(object.splits.begin(), object.splits.end(), std::back_inserter(unforced),
                [&](SplitId s) { return !forced[s]; });

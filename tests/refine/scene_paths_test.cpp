@@ -86,7 +86,7 @@ void follow_with_auto(const CameraPath& path, const std::vector<RefineObject>& o
   AutoRefiner refiner(objects, std::move(given)), again(objects, std::move(read));
   RefineOptions options;
   options.budget = std::max(budget, 2 * refiner.base_triangles());
-  OcclusionEffort last = OcclusionEffort::none;
+  std::optional<std::size_t> last;
   int changes = 0;
   for (int i = 0; i < frames_of_a_path; ++i) {
     SCOPED_TRACE(i);
@@ -101,8 +101,8 @@ void follow_with_auto(const CameraPath& path, const std::vector<RefineObject>& o
     }
     EXPECT_LE(triangles, options.budget);
     EXPECT_EQ(again.update(view, options).hash(), refinement.hash());
-    if (i > 0 && refiner.report().choice.effort != last) ++changes;
-    last = refiner.report().choice.effort;
+    if (i > 0 && refiner.report().choice.backend != last) ++changes;
+    last = refiner.report().choice.backend;
   }
   EXPECT_LE(changes, 2);
 }

@@ -39,30 +39,30 @@ class Auto(ToolTest):
         self.assertEqual((result["occlusion"], result["calibration"]), ("auto", CALIBRATION))
         why = result["auto"]
         # The first forecast is that without occlusion; the chosen one scores best.
-        self.assertEqual((why["forecasts"][0]["effort"], why["forecasts"][0]["error"]), ("none", 1.0))
+        self.assertEqual((why["forecasts"][0]["backend"], why["forecasts"][0]["error"]), ("none", 1.0))
         best = min(why["forecasts"], key=lambda forecast: forecast["score"])
-        self.assertEqual((why["effort"], why["backend"]), (best["effort"], best["backend"]))
+        self.assertEqual(why["backend"], best["backend"])
         self.assertTrue(why["looked_ahead"])
         self.assertEqual(sum(o["queries"] for o in why["objects"]), result["queries"])
 
     def test_asks_where_it_pays(self):
         self.assertGreater(self.render("wall.json")["queries"], 0)
         result = self.render("ground.json")
-        self.assertEqual((result["auto"]["effort"], result["queries"], result["occluder_draws"]), ("none", 0, 0))
+        self.assertEqual((result["auto"]["backend"], result["queries"], result["occluder_draws"]), ("none", 0, 0))
 
     def test_a_calibration_repeats_a_run(self):
         self.json_of("render", "wall.json", "--budget", 5000, "--save-calibration", "measured.json")
         runs = [self.json_of("render", "wall.json", "--budget", 5000, "--path", "aside", "--calibration", "measured.json", "--save-calibration", copy)
                 for copy in ("a.json", "b.json")]
         self.assertTrue(self.same_bytes("measured.json", "a.json") and self.same_bytes("a.json", "b.json"))
-        hashes, efforts = [[[frame["hash"] for frame in run["frames"]] for run in runs], [[frame["auto"]["effort"] for frame in run["frames"]] for run in runs]]
-        self.assertEqual((hashes[0], efforts[0]), (hashes[1], efforts[1]))
+        hashes, backends = [[[frame["hash"] for frame in run["frames"]] for run in runs], [[frame["auto"]["backend"] for frame in run["frames"]] for run in runs]]
+        self.assertEqual((hashes[0], backends[0]), (hashes[1], backends[1]))
 
     def test_frames_go_on_from_each_other(self):
         """The first frame is all new; those after it change a part of it, and a calibration repeats them."""
         runs = [self.render("wall.json", "--path", "aside", "--frame-to-frame", "--occlusion", "auto", budget=1500)["frames"] for _ in range(2)]
         self.assertEqual([frame["hash"] for frame in runs[0]], [frame["hash"] for frame in runs[1]])
-        self.assertTrue(all(frame["triangles"] <= 1500 and frame["queries"] > 0 and frame["auto"]["effort"] != "none" for frame in runs[0]))
+        self.assertTrue(all(frame["triangles"] <= 1500 and frame["queries"] > 0 and frame["auto"]["backend"] != "none" for frame in runs[0]))
         self.assertEqual([frame["new_splits"] == frame["splits"] for frame in runs[0]], [True, False, False, False, False])
         self.assertEqual([frame["auto"]["looked_ahead"] for frame in runs[0]], [True, False, False, False, False])
 

@@ -13,6 +13,7 @@
 #include "occlod/base.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/generate.h"
+#include "splits/star.h"
 #include "support/holed_meshes.h"
 #include "support/meshes.h"
 
@@ -171,7 +172,7 @@ TEST(CellBuilder, CutsAreClosed) {
   ASSERT_GT(applied.size(), 100U);
   EXPECT_TRUE(std::is_sorted(applied.begin(), applied.end()));
   for (const SplitId s : applied)
-    for (const SplitId needed : hierarchy.star(s).dependencies())
+    for (const SplitId needed : star_of(hierarchy, s).dependencies())
       EXPECT_TRUE(std::binary_search(applied.begin(), applied.end(), needed));
   EXPECT_EQ(cut.drawn_triangles, cut.objects[0].triangles.size());
   EXPECT_LT(cut.drawn_triangles, cut.triangles);

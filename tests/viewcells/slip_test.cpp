@@ -16,6 +16,7 @@
 #include "occlod/build_hierarchy.h"
 #include "occlod/cell_walker.h"
 #include "small_cells.h"
+#include "splits/star.h"
 #include "support/wedge_meshes.h"
 
 namespace occlod {
@@ -99,7 +100,7 @@ TEST_F(CellSlip, IsWithinTheTolerance) {
     const CellView view(cell_, tolerance.eyes, glm::dmat4(1.0));
     for (SplitId s = 0; s < sheet_.split_count(); ++s) {
       if (std::ranges::binary_search(with.objects[0].applied, s)) continue;
-      const float scale = view.largest_scale_px(box_of(sheet_.star(s), sheet_.positions()));
+      const float scale = view.largest_scale_px(box_of(star_of(sheet_, s), sheet_.positions()));
       EXPECT_LE(sheet_.attribute_error(s) * scale, 1.001 * tolerance.tolerance_px) << s;
     }
     // And it is what shows: every point of the sheet is 0.7 to 1.4 away from the eyes.
@@ -125,7 +126,7 @@ TEST_F(CellSlip, IsWhatABudgetReduces) {
     const CellView view(cell_, some.eyes, glm::dmat4(1.0));
     for (SplitId s = 0; s < sheet_.split_count(); ++s) {
       if (std::ranges::binary_search(found.objects[0].applied, s)) continue;
-      const float scale = view.largest_scale_px(box_of(sheet_.star(s), sheet_.positions()));
+      const float scale = view.largest_scale_px(box_of(star_of(sheet_, s), sheet_.positions()));
       EXPECT_LE(sheet_.attribute_error(s) * scale, 1.001 * found.error_px) << s;
     }
   }

@@ -140,7 +140,7 @@ TEST_F(VlodFileTest, SaysWhatItWasBuiltWith) {
   EXPECT_EQ(file->options().max_triangles, 300U);
   EXPECT_EQ(file->options().division, CellDivision::gain);
   EXPECT_EQ(file->options().occluder_motion, 0.01);
-  EXPECT_EQ(file->objects().size(), 3U);
+  EXPECT_EQ(file->object_count(), 3U);
   EXPECT_EQ(file->file_bytes(), std::filesystem::file_size(good_));
 }
 

@@ -13,6 +13,7 @@
 #include <string>
 #include <tuple>
 
+#include "cells/vlod_format.h"
 #include "occlod/base.h"
 #include "occlod/build_cells.h"
 #include "occlod/build_hierarchy.h"

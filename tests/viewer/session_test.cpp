@@ -214,7 +214,7 @@ TEST_F(SessionTest, AutoChoosesAsTheLibraryDoes) {
   // Another backend is another refiner: nothing is left of the choice.
   set("occlusion", "software");
   EXPECT_FALSE(session_.frame()->sides[0].explanation);
-  EXPECT_FALSE(session_.figures().contains("auto_effort"));
+  EXPECT_FALSE(session_.figures().contains("auto_asks"));
   EXPECT_EQ(session_.frame()->sides[0].follows, 0U);
 }
 

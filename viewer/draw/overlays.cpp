@@ -105,7 +105,7 @@ void add_split(ObjectLines& lines, const Settings& settings, const Hierarchy& hi
                                      hierarchy.positions()[t.z]};
   };
   const SplitNode& node = hierarchy.node(split);
-  hierarchy.star(split).for_each_inserted([&](const Triangle& t) { lines.triangle(corners(t), star_pen); });
+  for (const Triangle& t : hierarchy.faces_of(split).inserted) lines.triangle(corners(t), star_pen);
   if (settings.look.bounds && tuning_of(settings.refine).proxy == Proxy::sphere) add_sphere(lines, node.sphere);
   if (settings.look.bounds && tuning_of(settings.refine).proxy == Proxy::box) add_box(lines, node.box(), bounds_pen);
   if (settings.look.bounds && tuning_of(settings.refine).proxy == Proxy::cylinder) add_cylinder(lines, node.cylinder());

@@ -29,10 +29,10 @@ void draw_forecasts(const Explanation& why) {
   for (const char* name : {"Forecast", "ms", "error", "score"}) ImGui::TableSetupColumn(name);
   ImGui::TableHeadersRow();
   const EffectChoice& choice = why.report.choice;
-  for (const EffortForecast& forecast : why.report.forecasts) {
-    const bool chosen = forecast.effort == choice.effort && forecast.backend == choice.backend;
+  for (const EffectForecast& forecast : why.report.forecasts) {
+    const bool chosen = forecast.backend == choice.backend;
     ImGui::TableNextColumn();
-    ImGui::Text("%s%s", chosen ? "> " : "", std::string(name_of(forecast.effort)).c_str());
+    ImGui::Text("%s%s", chosen ? "> " : "", forecast.backend ? "occlusion" : "none");
     for (const double value : {forecast.frame_ms, forecast.error, forecast.score()}) {
       ImGui::TableNextColumn();
       ImGui::Text("%.2f", value);
@@ -78,7 +78,7 @@ void draw_auto(Panels& panels) {
   if (!frame || frame->sides.empty() || !frame->sides[0].explanation || !begin_section(panels, "Auto")) return;
   const Explanation& why = *frame->sides[0].explanation;
   const EffectReport& report = why.report;
-  draw_value("On", std::string(name_of(report.choice.effort)));
+  draw_value("On", report.choice.backend ? "occlusion" : "none");
   draw_outcome(why, frame->sides[0].refinement.stats);
   draw_looks(report);
   draw_forecasts(why);

@@ -13,11 +13,11 @@ namespace {
 void draw_split(const PlacedObject& object, SplitId split) {
   const Hierarchy& hierarchy = *object.mesh->hierarchy;
   const SplitNode& node = hierarchy.node(split);
-  const SplitStar star = hierarchy.star(split);
+  const SplitFaces faces = hierarchy.faces_of(split);
   draw_row("Split", fmt::format("{} of {}", grouped(split), grouped(static_cast<double>(hierarchy.split_count()))));
   draw_row("Level", std::to_string(object.mesh->levels[split]));
-  draw_row("Dependencies", std::to_string(star.dependencies().size()));
-  draw_row("Faces", fmt::format("{} added, {} removed", star.inserted_count(), star.removed_count()));
+  draw_row("Dependencies", std::to_string(faces.dependencies.size()));
+  draw_row("Faces", fmt::format("{} added, {} removed", faces.inserted.size(), faces.removed.size()));
   draw_row("Error", fmt::format("{:.3g}, guaranteed {:.3g}", node.error, node.guaranteed_error));
   draw_row("Subtree radius", fmt::format("{:.3g}", node.sphere.radius));
   const NormalCone cone = node.cone();

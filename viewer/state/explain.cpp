@@ -18,7 +18,7 @@ class NextSplits {
     for (const SplitId s : applied) applied_[s] = true;
     base_roots_.assign(hierarchy.base_vertex_count(), no_id);
     for (const SplitId root : hierarchy.data().roots) {
-      const VertexId u = hierarchy.star(root).parent_vertex();
+      const VertexId u = hierarchy.parent_vertex(root);
       if (u < base_roots_.size()) base_roots_[u] = root;
     }
   }

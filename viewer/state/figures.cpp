@@ -95,7 +95,7 @@ std::map<std::string, double> Session::figures() const {
   figures["refine_ms"] = stats.refine_ms;
   figures["occlusion_ms"] = stats.occlusion_ms;
   if (const auto& why = frame_->sides[0].explanation) {
-    figures["auto_effort"] = static_cast<double>(why->report.choice.effort);
+    figures["auto_asks"] = why->report.choice.backend ? 1.0 : 0.0;
     figures["auto_held"] = why->report.held ? 1.0 : 0.0;
     figures["look_ms"] = why->report.look_ms;
     figures["same_error_triangles"] = why->report.same_error_without.triangles;

@@ -1,5 +1,3 @@
-#include "hlod/build/assemble.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +9,7 @@
 
 #include "base/threads.h"
 #include "hlod/build/level_draft.h"
+#include "hlod/build/simplify_nodes.h"
 #include "hlod/store/hlod_data.h"
 
 namespace occlod::hlod {
@@ -23,17 +22,24 @@ struct NodeSplitsData {
   std::vector<std::uint16_t> indices, parents;
 };
 
+// Writes the positions and attributes of wedges to `to`, at the places that `layout` gives.
+void copy_wedges(const WedgeMesh& mesh, std::span<const WedgeId> wedges, const VertexLayout& layout, std::byte* to) {
+  const auto copy = [&](const auto& from, std::size_t offset) {
+    using T = typename std::decay_t<decltype(from)>::value_type;
+    if (from.empty()) return;
+    T* const values = reinterpret_cast<T*>(to + offset);
+    for_each_id(wedges.size(), 1, [&](std::uint32_t i) { values[i] = from[wedges[i]]; });
+  };
+  copy(mesh.positions, 0);
+  copy(mesh.normals, layout.normals);
+  copy(mesh.colors, layout.colors);
+  copy(mesh.texture_coordinates, layout.texture_coordinates);
+  copy(mesh.wedge_materials, layout.materials);
+}
+
 // Numbers the wedges of `draft`. Those in the node's mesh (`own`) keep their numbers there. `ids` is scratch memory.
 // Expected O(n).
-[[nodiscard]] NodeSplitsData number_splits(const SplitsDraft& draft, std::span<const WedgeId> own, LocalIds& ids);
-
-// Lays out the splits of all nodes in `data`, whose nodes are complete. O(n).
-void append_splits(const WedgeMesh& mesh, std::span<const NodeSplitsData> splits, HlodData& data);
-
-// Writes the positions and attributes of wedges to `to`, at the places that `layout` gives.
-void copy_wedges(const WedgeMesh& mesh, std::span<const WedgeId> wedges, const VertexLayout& layout, std::byte* to);
-
-NodeSplitsData number_splits(const SplitsDraft& draft, std::span<const WedgeId> own, LocalIds& ids) {
+[[nodiscard]] NodeSplitsData number_splits(const SplitsDraft& draft, std::span<const WedgeId> own, LocalIds& ids) {
   NodeSplitsData result;
   if (draft.splits.empty()) return result;
   ids.reset(own.size());
@@ -58,6 +64,7 @@ NodeSplitsData number_splits(const SplitsDraft& draft, std::span<const WedgeId> 
   return result;
 }
 
+// Lays the splits of all nodes out in `data`, whose nodes are complete. O(n).
 void append_splits(const WedgeMesh& mesh, std::span<const NodeSplitsData> splits, HlodData& data) {
   std::uint64_t end = 0;
   for (const NodeSplitsData& of_node : splits) {
@@ -76,20 +83,6 @@ void append_splits(const WedgeMesh& mesh, std::span<const NodeSplitsData> splits
     std::ranges::copy(splits[n].indices, reinterpret_cast<std::uint16_t*>(to + layout.indices));
     std::ranges::copy(splits[n].parents, reinterpret_cast<std::uint16_t*>(to + layout.parents));
   }
-}
-
-void copy_wedges(const WedgeMesh& mesh, std::span<const WedgeId> wedges, const VertexLayout& layout, std::byte* to) {
-  const auto copy = [&](const auto& from, std::size_t offset) {
-    using T = typename std::decay_t<decltype(from)>::value_type;
-    if (from.empty()) return;
-    T* const values = reinterpret_cast<T*>(to + offset);
-    for_each_id(wedges.size(), 1, [&](std::uint32_t i) { values[i] = from[wedges[i]]; });
-  };
-  copy(mesh.positions, 0);
-  copy(mesh.normals, layout.normals);
-  copy(mesh.colors, layout.colors);
-  copy(mesh.texture_coordinates, layout.texture_coordinates);
-  copy(mesh.wedge_materials, layout.materials);
 }
 
 // Holds the vertices and patches of one node.

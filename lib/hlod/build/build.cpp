@@ -16,7 +16,6 @@
 #include "base/memory.h"
 #include "base/option_checker.h"
 #include "base/threads.h"
-#include "hlod/build/assemble.h"
 #include "hlod/build/build_journal.h"
 #include "hlod/build/finish_level.h"
 #include "hlod/build/group_triangles.h"

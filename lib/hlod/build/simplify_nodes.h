@@ -1,4 +1,4 @@
-// Makes the nodes of one level by simplifying groups of triangles of the level below.
+// Makes the nodes of one level by simplifying groups of triangles of the level below, and an HLOD of all levels.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include "hlod/build/finish_level.h"
 #include "hlod/build/group_triangles.h"
 #include "hlod/build/level_draft.h"
+#include "hlod/store/hlod_data.h"
 #include "occlod/build_hlod.h"
 #include "splits/build_progress.h"
 
@@ -54,5 +55,10 @@ class NodeSimplifier {
   LargeVector<std::uint32_t> members_;       // triangles of the level below, group by group
   std::vector<std::uint32_t> first_member_;  // per group, place of its first triangle in members_; then a sentinel
 };
+
+// Numbers nodes from coarse to fine, sorts the triangles of each into patches, and gives each node vertices of its own.
+// `levels` from level 0; they are used up. Fills all fields but grouping, borders and node_triangles. The result does
+// not depend on the threads. O(n log n) within each node.
+[[nodiscard]] HlodData assemble(const WedgeMesh& mesh, std::vector<LevelDraft> levels, Within within, unsigned threads);
 
 }  // namespace occlod::hlod

@@ -1,10 +1,10 @@
-#include "hlod/draw/front.h"
-
 #include <xxhash.h>
 
 #include <algorithm>
 #include <array>
 #include <cassert>
+
+#include "hlod/draw/traversal.h"
 
 namespace occlod::hlod {
 

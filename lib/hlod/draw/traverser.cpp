@@ -25,10 +25,6 @@
 namespace occlod::hlod {
 namespace {
 
-// Returns the view after `frames` more frames like the one from `before` to `now`: the eye moves on along a line, and
-// the line of sight turns on. Returns nothing when the camera stands still, or would end where it makes no image.
-[[nodiscard]] std::optional<View> view_ahead(const Camera& before, const View& now, int frames);
-
 class Prefetcher {
  public:
   // Tells the stores of these objects, all of which have begun a frame, what is likely to be needed soon: first what is
@@ -46,7 +42,9 @@ class Prefetcher {
 
 constexpr std::size_t max_reached = 4096;  // nodes of one object
 
-std::optional<View> view_ahead(const Camera& before, const View& now, int frames) {
+// Returns the view after `frames` more frames like the one from `before` to `now`: the eye moves on along a line, and
+// the line of sight turns on. Returns nothing when the camera stands still, or would end where it makes no image.
+[[nodiscard]] std::optional<View> view_ahead(const Camera& before, const View& now, int frames) {
   Camera camera = now.camera();
   const glm::dvec3 last = before.target - before.eye, sight = camera.target - camera.eye;
   const double length = glm::length(sight);

@@ -31,6 +31,9 @@ struct Summary {
 };
 static_assert(sizeof(Summary) == 56);
 
+// Files hold these structures as they are in memory.
+static_assert(sizeof(hlod::Patch) == 12 && sizeof(hlod::Node) == 112 && sizeof(hlod::NodeWithin) == 24);
+
 // Tells which attributes meshes have, in files of wedges_version or later.
 enum WedgeFlag : std::uint32_t { has_texture_coordinates = 1, has_materials = 2, has_seams = 4, all_wedge_flags = 7 };
 

@@ -31,12 +31,6 @@ namespace {
 
 constexpr double crease_deg = 60.0;  // for HLODs without normals
 
-// Writes each image once, in the folder textures/, for all contents to share. Leaves out images that are missing or
-// neither PNG nor JPEG, the only formats of glTF, and names them in `left_out`. File names are relative to
-// `image_folder`. O(bytes).
-[[nodiscard]] TileLook write_images(AtomicFolder& folder, const hlod::HlodView& hlod,
-                                    const std::filesystem::path& image_folder, std::vector<std::string>& left_out);
-
 namespace fs = std::filesystem;
 
 // Returns nothing when the image cannot be read.
@@ -60,8 +54,11 @@ std::string extension_of(const std::string& bytes) {
   return type == "image/png" ? ".png" : type == "image/jpeg" ? ".jpg" : "";
 }
 
-TileLook write_images(AtomicFolder& folder, const hlod::HlodView& hlod, const fs::path& image_folder,
-                      std::vector<std::string>& left_out) {
+// Writes each image once, in the folder textures/, for all contents to share. Leaves out images that are missing or
+// neither PNG nor JPEG, the only formats of glTF, and names them in `left_out`. File names are relative to
+// `image_folder`. O(bytes).
+[[nodiscard]] TileLook write_images(AtomicFolder& folder, const hlod::HlodView& hlod, const fs::path& image_folder,
+                                    std::vector<std::string>& left_out) {
   TileLook look{hlod.materials, hlod.textures, {}, hlod.texture_origin};
   std::map<std::string, std::string> written;  // from file names to URIs
   for (const Texture& texture : hlod.textures) {

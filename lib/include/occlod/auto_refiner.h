@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -70,32 +69,13 @@ void write_calibration(const std::filesystem::path& path, const Calibration& cal
 
 // Which effects are on in a view, and why.
 
-// How much is asked about occlusion: about subtrees, or also about the stars of splits; with one occluder that is drawn
-// after a thirty-second of the splits, or with new ones at parts of the budget (renewed).
-enum class OcclusionEffort : std::uint8_t { none, subtrees, renewed_subtrees, stars, renewed_stars };
-// Number of efforts.
-inline constexpr std::size_t occlusion_effort_count = 5;
-// As reports call it, e.g. "renewed-stars".
-[[nodiscard]] std::string_view name_of(OcclusionEffort effort) noexcept;
-
 // Which effects are on. The same choice, view, options and objects give the same mesh.
 struct EffectChoice {
-  OcclusionEffort effort = OcclusionEffort::none;  // how much is asked
-  std::optional<std::size_t> backend;              // index into those given; none where nothing is asked
-  std::uint32_t level_step = 1;                    // queries about subtrees on every n-th forest level
-  std::vector<ObjectEffects> objects;              // by object
-
-  // `options` with this choice in place of options.effects, and of what the method asks and draws.
-  [[nodiscard]] RefineOptions with(RefineOptions options) const;
+  std::optional<std::size_t> backend;  // index into those given; none where nothing is asked about occlusion
+  std::vector<ObjectEffects> objects;  // by object
 
   friend bool operator==(const EffectChoice&, const EffectChoice&) = default;
 };
-
-// Number of counts in FinerCounts.
-inline constexpr std::size_t finer_count_size = 9;
-// How many splits what is visible has down to half of the error at which the budget ends, to a quarter, and so on:
-// relative to those down to that error itself, so the first is 1 and they rise.
-using FinerCounts = std::array<double, finer_count_size>;
 
 // How much a mesh fills the image.
 struct Coverage {
@@ -111,17 +91,16 @@ struct HiddenShares {
   double visits_hidden = 0.0;  // share of the nodes that are below a hidden subtree, in [0, 1]
   double splits_hidden = 0.0;  // share of the splits whose subtree is hidden, in [0, 1]
   double stars_hidden = 0.0;   // share of the splits whose own star is hidden, in [splits_hidden, 1]
-  FinerCounts finer{1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0};  // of the splits that are not hidden
-  Coverage coverage;                                                      // of the mesh that hides
+  double growth = 2.0;         // times as many splits that are not hidden down to half of the error; >= 1
+  Coverage coverage;           // of the mesh that hides
 };
 
-// What one effort with one backend is expected to cost and give. The smallest score is chosen.
-struct EffortForecast {
-  OcclusionEffort effort = OcclusionEffort::none;  // how much would be asked
-  std::optional<std::size_t> backend;              // index into those given; none where nothing is asked
-  double frame_ms = 0.0;                           // refinement, occlusion and drawing
-  double occlusion_ms = 0.0;                       // of these, occluders and queries
-  double error = 1.0;                              // relative to that without occlusion at the same budget
+// What queries of one backend are expected to cost and give. The smallest score is chosen.
+struct EffectForecast {
+  std::optional<std::size_t> backend;  // index into those given; none where nothing is asked
+  double frame_ms = 0.0;               // refinement, occlusion and drawing
+  double occlusion_ms = 0.0;           // of these, occluders and queries
+  double error = 1.0;                  // relative to that without occlusion at the same budget
   // Time to error: the smaller the better.
   [[nodiscard]] double score() const noexcept { return frame_ms * error; }
 };
@@ -135,7 +114,7 @@ struct FrameForecast {
 // What was chosen for a view and why.
 struct EffectReport {
   EffectChoice choice;                    // what was on
-  std::vector<EffortForecast> forecasts;  // of everything that could have been chosen; first without occlusion
+  std::vector<EffectForecast> forecasts;  // of everything that could have been chosen; first without occlusion
   HiddenShares ahead;                     // sampled before refinement, hidden by a coarse mesh
   std::optional<HiddenShares> back;       // sampled after an earlier view, hidden by its refined mesh
   bool looked_ahead = false;              // `ahead` is of this view
@@ -148,9 +127,9 @@ struct EffectReport {
   std::vector<ObjectEffectStats> objects;  // by object: what the tests did
 
   // The forecast of the choice; null before the first view.
-  [[nodiscard]] const EffortForecast* chosen() const noexcept {
-    const auto found = std::find_if(forecasts.begin(), forecasts.end(), [this](const EffortForecast& forecast) {
-      return forecast.effort == choice.effort && forecast.backend == choice.backend;
+  [[nodiscard]] const EffectForecast* chosen() const noexcept {
+    const auto found = std::find_if(forecasts.begin(), forecasts.end(), [this](const EffectForecast& forecast) {
+      return forecast.backend == choice.backend;
     });
     return found == forecasts.end() ? nullptr : &*found;
   }

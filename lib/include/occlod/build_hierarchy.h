@@ -95,14 +95,6 @@ struct FixedCut {
 // Equal to triangles_of() when no vertex has more than one wedge. O(n).
 [[nodiscard]] std::vector<Triangle> wedge_triangles_of(const Hierarchy& hierarchy, const FixedCut& cut);
 
-// Returns the wedges at the corners of a face with these vertices, in the same order.
-[[nodiscard]] inline Triangle wedges_of_face(const Hierarchy& hierarchy, const FaceRef& face,
-                                             const Triangle& vertices) {
-  if (!hierarchy.has_seams()) return vertices;
-  return face.split == no_id ? hierarchy.data().base_corners[face.slot]
-                             : hierarchy.corners(face.split).inserted(face.slot);
-}
-
 // Makes a separate mesh from triangles of wedges, such as those of RefinedObject, with the hierarchy's attributes and
 // without vertices and wedges that no triangle uses. Vertices are numbered as triangles first use them. O(n).
 [[nodiscard]] TriangleMesh mesh_of(const Hierarchy& hierarchy, std::span<const Triangle> wedge_triangles);

@@ -57,7 +57,6 @@ struct Patch {
   std::uint32_t first_index = 0;  // into NodeMesh::indices
   std::uint32_t index_count = 0;  // a multiple of 3, > 0
 };
-static_assert(sizeof(Patch) == 12);
 
 // What is known of a node without its mesh.
 struct Node {
@@ -79,7 +78,6 @@ struct Node {
   std::uint16_t reserved = 0;     // always 0
   std::uint64_t mesh = 0;         // place of its mesh in HlodView::meshes, a multiple of mesh_alignment
 };
-static_assert(sizeof(Node) == 112);
 
 // The nodes of one level are consecutive.
 struct Level {
@@ -113,7 +111,6 @@ struct NodeWithin {
   std::uint32_t triangles = 0;  // that the node was made from
   std::uint32_t reserved = 0;   // always 0
 };
-static_assert(sizeof(NodeWithin) == 24);
 
 // The triangles that a node was made from, and the splits that lead from its mesh back to them, the coarsest first
 // (Hoppe 1996, progressive meshes): any number of first splits gives a mesh in between. Vertices are numbered through:

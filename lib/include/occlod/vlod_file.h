@@ -43,7 +43,6 @@ struct CellNode {
   float error_px = 0.0F;              // of a leaf: how far anything seen is from what is drawn, at most
   std::uint32_t candidates = 0;       // CellAdditions::candidates
 };
-static_assert(sizeof(CellNode) == 104);
 
 // Immutable; any number of threads may use one.
 class CellTree {
@@ -112,20 +111,10 @@ struct CellAdditions {
   [[nodiscard]] std::size_t bytes() const noexcept;
 };
 
-// An object as the cells know it.
-struct VlodObject {
-  std::array<std::uint64_t, 2> hierarchy{};  // XXH3-128 of all that is in its hierarchy
-  std::uint32_t split_count = 0;             // of its hierarchy
-  std::uint32_t two_sided = 0;               // 0 or 1
-  std::uint32_t ignores_attributes = 0;      // 1 where attributes slip, and do not count: RefineObject::attributes
-  std::uint32_t reserved = 0;                // 0
-  glm::dmat4 object_to_world{1.0};           // of its placement
-};
-static_assert(sizeof(VlodObject) == 160);
-
 namespace vlod {
 class PackedGeometry;
-}
+struct StoredObject;
+}  // namespace vlod
 
 // What the faces of one object look like.
 struct SurfaceMaterials {
@@ -154,8 +143,8 @@ class VlodFile {
   [[nodiscard]] const CellTree& tree() const noexcept;
   // That it was built with; threads and progress are not stored.
   [[nodiscard]] const CellTreeOptions& options() const noexcept;
-  // That the cells were built for.
-  [[nodiscard]] std::span<const VlodObject> objects() const noexcept;
+  // Number of objects that the cells were built for.
+  [[nodiscard]] std::size_t object_count() const noexcept;
   // Of scene and options: files of one key hold the same.
   [[nodiscard]] const std::array<std::uint64_t, 2>& key() const noexcept;
   // One of vlod_version, packed_vlod_version and textured_vlod_version.
@@ -167,10 +156,12 @@ class VlodFile {
   [[nodiscard]] bool is_packed() const noexcept;
   // Zeros where it does not.
   [[nodiscard]] PackedCounts packed_counts() const noexcept;
-  // Of an object, object < objects().size(); nothing where it is not packed. Valid as long as the file.
+  // Of an object, object < object_count(); nothing where it is not packed. Valid as long as the file.
   [[nodiscard]] SurfaceMaterials materials(std::uint32_t object) const noexcept;
   // For the library's own use; none where it does not.
   [[nodiscard]] const vlod::PackedGeometry* geometry() const noexcept;
+  // For the library's own use.
+  [[nodiscard]] std::span<const vlod::StoredObject> objects() const noexcept;
 
   // What a node adds. `ancestors`: what the nodes above it add, from the root to its parent; tree().node(cell).level of
   // them. Reads the file at once, by one pread; waits for the disk. Checks checksum, sizes, that ids ascend and are in
