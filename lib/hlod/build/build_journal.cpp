@@ -86,6 +86,8 @@ void for_each_array(Node& node, const Visit& visit) {
   visit(node.lost);
   visit(node.merges);
   visit(node.bare_targets);
+  visit(node.grown);
+  visit(node.vanished);
   visit(node.within.wedges);
   visit(node.within.indices);
   visit(node.within.splits);
@@ -97,7 +99,7 @@ struct NodeFacts {
   float error = 0.0F, guaranteed_error = 0.0F;
 };
 static_assert(sizeof(NodeFacts) == 32 && sizeof(AddedWedge) == 8 && sizeof(Merge) == 8 &&
-              sizeof(SplitsDraft::Split) == 8);  // no padding, whose bytes nobody has set
+              sizeof(SplitsDraft::Split) == 8 && sizeof(GrownBox) == 28);  // no padding, whose bytes nobody has set
 
 }  // namespace
 

@@ -129,7 +129,15 @@ std::vector<std::vector<std::uint32_t>> children_of_groups(const LevelDraft& bel
 
 // Sets bounds and errors from the node's children, box and own errors. Errors of levels are added as if they were
 // independent: their sum would drift upwards with every level, whereas measured errors do not.
+//
+// What has vanished without a trace below has no triangle that would say which parent stands for it: all do.
 void bound(NodeDraft& node, const std::vector<NodeDraft>& below) {
+  for (const std::uint32_t child : node.children)
+    for (const Box& gone : below[child].vanished) {
+      node.box = unite(node.box, gone);
+      if (node.vanished.empty()) node.vanished = {gone};
+      node.vanished[0] = unite(node.vanished[0], gone);
+    }
   node.lod_box = node.box;
   float guaranteed = 0.0F;
   for (const std::uint32_t child : node.children) {
@@ -195,6 +203,7 @@ void LevelBuilder::append(SimplifiedNode& from) {
   node.bare_targets = std::move(from.bare_targets);
   node.within = std::move(from.within);
   node.box = from.box;
+  node.vanished = std::move(from.vanished);
   node.error = from.error;
   node.guaranteed_error = from.guaranteed_error;
   from = {};

@@ -18,6 +18,12 @@ namespace occlod::hlod {
 void cancel_opposite(std::vector<Triangle>& triangles, std::vector<Triangle>& corners);
 void cancel_opposite(std::vector<Triangle>& triangles);
 
+// Records that everything in `box`, which a vertex stood for or triangles beside it, now depends on this vertex.
+struct GrownBox {
+  VertexId vertex = no_id;
+  Box box;
+};
+
 // Holds the result of simplifying one group.
 struct SimplifiedNode {
   std::vector<Triangle> triangles;
@@ -26,7 +32,9 @@ struct SimplifiedNode {
   std::vector<VertexId> lost;                   // locked vertices that none of the triangles uses
   std::vector<Merge> merges;                    // all wedges of the group that were merged
   std::vector<WedgeId> bare_targets;            // see NodeDraft
-  Box box;                                      // see Node
+  Box box;                                      // of what its input stands for, without what vanished below it
+  std::vector<GrownBox> grown;                  // of vertices that triangles still use, for what vanished beside them
+  std::vector<Box> vanished;                    // at most one: of what vanished and left no triangle beside it
   float error = 0.0F, guaranteed_error = 0.0F;  // of this node's own collapses alone
   SplitsDraft within;                           // filled with Within::splits
 };

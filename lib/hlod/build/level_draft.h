@@ -129,6 +129,7 @@ struct NodeDraft {
   std::size_t merge_count = 0;
   std::vector<WedgeId> bare_targets;  // wedges that others were merged into, but that no triangle uses any more
   Box box, lod_box;
+  std::vector<Box> vanished;  // at most one: holds what vanished here or below and no vertex of a triangle stands for
   Sphere sphere;
   float error = 0.0F, child_error = 0.0F, guaranteed_error = 0.0F, area = 0.0F;
   SplitsDraft within;  // filled with Within::splits

@@ -1,6 +1,7 @@
 #include "hlod/build/simplify_nodes.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <limits>
 #include <utility>
@@ -51,12 +52,14 @@ class NodeSimplifier::Worker {
         result.corners.push_back(global(t, wedges_));
     list_merges(simplified, result);
     list_lost(simplified, result);
+    list_vanished(simplified, result);
     if (!simplified.collapses.empty() && wedges_.size() <= stays) keep_splits(simplified, result.within);
     return result;
   }
 
  private:
   void gather(std::uint32_t group) {
+    group_ = group;
     const std::span<const std::uint32_t> members = all_.members(group);
     input_ = {};
     vertices_.reset(3 * members.size());
@@ -163,6 +166,57 @@ class NodeSimplifier::Worker {
       if (locked_[v] != 0 && used_[v] == 0) result.lost.push_back(vertices_.vertices()[v]);
   }
 
+  // Lists the boxes of the group's triangles that are gone. Each was folded onto an edge or a point, whose vertices
+  // stand for it from now on, or cancelled another one.
+  void list_vanished(const SimplifiedGroup& simplified, SimplifiedNode& result) {
+    left_.clear();
+    used_.assign(locked_.size(), 0);
+    for (const Triangle& t : simplified.triangles) {
+      left_.push_back(sorted(t));
+      used_[t.x] = used_[t.y] = used_[t.z] = 1;
+    }
+    std::sort(left_.begin(), left_.end());
+    grown_.clear();
+    for (const std::uint32_t member : all_.members(group_)) {
+      const Triangle& global_ids = below_.triangles[member];
+      Box box = all_.boxes_[global_ids.x];
+      Triangle image;
+      for (int k = 0; k < 3; ++k) {
+        box = unite(box, all_.boxes_[global_ids[k]]);
+        image[k] = vertex_of(simplified.merged_into[vertices_.find(global_ids[k])], simplified);
+      }
+      if (std::binary_search(left_.begin(), left_.end(), sorted(image))) continue;
+      const int heir = used_[image.x] != 0 ? 0 : used_[image.y] != 0 ? 1 : 2;
+      if (used_[image[heir]] != 0)
+        grown_.push_back({image[heir], box});
+      else if (result.vanished.empty())
+        result.vanished = {box};
+      else
+        result.vanished[0] = unite(result.vanished[0], box);
+    }
+    std::sort(grown_.begin(), grown_.end(), [](const GrownBox& a, const GrownBox& b) { return a.vertex < b.vertex; });
+    for (const GrownBox& grown : grown_) {
+      const VertexId vertex = vertices_.vertices()[grown.vertex];
+      if (result.grown.empty() || result.grown.back().vertex != vertex)
+        result.grown.push_back({vertex, grown.box});
+      else
+        result.grown.back().box = unite(result.grown.back().box, grown.box);
+    }
+  }
+
+  // Returns the local vertex of a wedge, which simplification may have added.
+  [[nodiscard]] VertexId vertex_of(WedgeId wedge, const SimplifiedGroup& simplified) const {
+    const std::size_t wedges = input_.wedge_count();
+    return wedge < wedges ? input_.vertex_of(wedge) : simplified.added[wedge - wedges].vertex;
+  }
+
+  // Returns the corners, the smallest first.
+  static std::array<std::uint32_t, 3> sorted(const Triangle& t) {
+    std::array<std::uint32_t, 3> corners{t.x, t.y, t.z};
+    std::sort(corners.begin(), corners.end());
+    return corners;
+  }
+
   void keep_splits(const SimplifiedGroup& simplified, SplitsDraft& within) const {
     const auto own = [](std::uint32_t local) { return static_cast<std::uint16_t>(local); };
     within.wedges = wedges_;
@@ -173,11 +227,14 @@ class NodeSimplifier::Worker {
 
   const NodeSimplifier& all_;
   const LevelDraft& below_;
+  std::uint32_t group_ = 0;
   LocalIds vertices_;     // of the input mesh, by local number
   LocalIds seam_wedges_;  // in the order in which they are met
   TriangleMesh input_;
   std::vector<WedgeId> wedges_;  // by local number, after simplification with those added
   std::vector<std::uint8_t> locked_, used_;
+  std::vector<std::array<std::uint32_t, 3>> left_;  // the remaining triangles, in order
+  std::vector<GrownBox> grown_;                     // by local vertex
 };
 
 NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const BuildOptions& options, unsigned threads, BuildJournal* journal)
@@ -294,6 +351,7 @@ void NodeSimplifier::join(SimplifiedNode& result, LevelBuilder& level) {
 // Records what a node has lost and added. Added wedges are numbered consecutively over all nodes.
 void NodeSimplifier::note(SimplifiedNode& result) {
   losses_.insert(losses_.end(), result.lost.begin(), result.lost.end());
+  grown_.insert(grown_.end(), result.grown.begin(), result.grown.end());
   if (result.added.empty()) return;
   const auto first = static_cast<WedgeId>(mesh_.wedge_count()), offset = static_cast<WedgeId>(added_.size());
   added_.insert(added_.end(), result.added.begin(), result.added.end());
@@ -316,8 +374,13 @@ void NodeSimplifier::pass_on(const LevelDraft& level) {
     Box& box = boxes_[mesh_.vertex_of(u)];
     box = unite(box, boxes_[mesh_.vertex_of(v)]);
   });
+  for_each_id(grown_.size(), 1, [&](std::uint32_t i) {
+    Box& box = boxes_[grown_[i].vertex];
+    box = unite(box, grown_[i].box);
+  });
   for_each_id(losses_.size(), 1, [&](std::uint32_t i) { lost_[losses_[i]] = 1; });
   added_.clear();
+  grown_.clear();
   losses_.clear();
 }
 

@@ -149,6 +149,7 @@ struct Owner {
   std::shared_ptr<SectionReader> reader;
   Materials materials;
   UninitializedVector<std::byte> meshes, splits;  // in a packed file: those of each node, once checked
+  std::vector<hlod::Node> nodes;                  // of an old file, with boxes that hold everything
 };
 
 void take(const Summary& summary, const SectionReader& reader, hlod::HlodView& view) {
@@ -191,7 +192,12 @@ Tables read_tables(const std::shared_ptr<SectionReader>& reader) {
   for_each_array(view, TableReader{*reader});
   take(reader->read_one<Summary>(summary_name, "summary"), *reader, view);
   if (reader->has(lattice_name)) view.lattice_step = reader->read_one<float>(lattice_name, "lattice step");
-  tables.owner = std::make_shared<Owner>(Owner{reader, read_materials(*reader), {}, {}});
+  tables.owner = std::make_shared<Owner>(Owner{reader, read_materials(*reader), {}, {}, {}});
+  if (reader->header().version <= last_narrow_version) {
+    tables.owner->nodes.assign(view.nodes.begin(), view.nodes.end());
+    for (hlod::Node& node : tables.owner->nodes) node.box = node.lod_box;
+    view.nodes = tables.owner->nodes;
+  }
   view.materials = tables.owner->materials.materials;
   view.textures = tables.owner->materials.textures;
   view.texture_origin = tables.owner->materials.origin;

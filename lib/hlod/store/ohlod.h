@@ -11,12 +11,17 @@
 namespace occlod::ohlod {
 
 // These are the versions of files that are not packed, with and without texture coordinates, materials or seams.
-inline constexpr std::uint32_t wedges_version = 2, plain_version = 1;
+inline constexpr std::uint32_t wedges_version = 5, plain_version = 4;
+// In files up to this version the boxes of nodes do not hold what has vanished.
+inline constexpr std::uint32_t last_narrow_version = 3;
 
 // The carriage returns and the end-of-file byte reveal a transfer in text mode, as in PNG.
-inline constexpr sections::FileKind file_kind{
-    {'O', 'H', 'L', 'D', '\r', '\n', '\x1a', '\n'}, ohlod_version, ".ohlod", "make one with 'occlod hlod build'",
-    "build it again with 'occlod hlod build'",      plain_version};
+inline constexpr sections::FileKind file_kind{{'O', 'H', 'L', 'D', '\r', '\n', '\x1a', '\n'},
+                                              ohlod_version,
+                                              ".ohlod",
+                                              "make one with 'occlod hlod build'",
+                                              "build it again with 'occlod hlod build'",
+                                              1};
 
 // Holds everything in an HLOD that is not an array.
 struct Summary {

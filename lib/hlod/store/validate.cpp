@@ -72,6 +72,7 @@ class Validator {
     if (!violations_.empty()) return violations_;
     within_.emplace(h_, points_);
     check_levels();
+    check_reach();
     if (h_.data().borders == Borders::locked) check_fronts();
     return violations_;
   }
@@ -219,6 +220,30 @@ class Validator {
     if (merge_of_[from].by != no_id && h_.data().borders == Borders::locked)
       report("nodes {} and {} both merge one vertex", merge_of_[from].by, merge.by);
     merge_of_[from] = merge;
+  }
+
+  // Checks invariant 6 by the leaves alone.
+  void check_reach() {
+    for (NodeId n = h_.data().levels[0].first_node; n < h_.node_count(); ++n) {
+      const NodeMesh mesh = h_.mesh(n);
+      for (const Patch& patch : h_.patches(n))
+        for (std::uint32_t i = patch.first_index; i < patch.first_index + patch.index_count; i += 3) {
+          const glm::vec3 &a = mesh.positions[mesh.indices[i]], &b = mesh.positions[mesh.indices[i + 1]],
+                          &c = mesh.positions[mesh.indices[i + 2]];
+          const Box triangle{glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
+          if (holds(h_.node(n).box, triangle) && is_reached(patch.parent, triangle)) continue;
+          report("a triangle of node {} is not in the boxes of the nodes that stand for it", n);
+          i = patch.first_index + patch.index_count;  // one line per patch
+        }
+    }
+  }
+
+  // Returns whether traversal that takes only nodes whose boxes hold `what` gets to the node. no_id: it begins there.
+  [[nodiscard]] bool is_reached(NodeId n, const Box& what) const {
+    if (n == no_id) return true;
+    if (!holds(h_.node(n).box, what)) return false;
+    const std::span<const Patch> patches = h_.patches(n);
+    return patches.empty() || std::ranges::any_of(patches, [&](const Patch& p) { return is_reached(p.parent, what); });
   }
 
   // Checks the rest of invariant 4. In a legal front, each input vertex lies where the coarser unrefined nodes have

@@ -107,9 +107,10 @@ namespace occlod {
 
 // The .ohlod file: an HLOD as versioned, checksummed sections. The layout is described in docs/guide/hlod.md.
 
-// Of compressed files. Others are of version 2, or 1 without texture coordinates, materials and seams; read_ohlod()
-// reads them all.
-inline constexpr std::uint32_t ohlod_version = 3;
+// Version of compressed files. Others have version 5, or 4 without texture coordinates, materials and seams.
+// read_ohlod() reads also versions 1 to 3, in which boxes of nodes do not hold what has vanished: it takes the larger
+// boxes around all that is below in their place, so what is drawn is right, but more of it is than of a new file.
+inline constexpr std::uint32_t ohlod_version = 6;
 
 // What a file holds.
 struct OhlodFile {
