@@ -29,7 +29,6 @@ struct CellWalkOptions {
   // Loads take what this disk takes and the processor time that they need, of time that passes from frame to frame.
   // None: a disk that takes no time.
   std::optional<DiskSpeed> disk;
-  std::function<void(const std::string& line)> note = {};
 };
 
 // What a frame took and shows. Times are of this thread's processor, but for drawing.
@@ -67,7 +66,7 @@ class CellWalk {
   [[nodiscard]] const ItemBuffer& items() const { return items_; }
   [[nodiscard]] std::span<const DrawObject> drawn() const { return drawn_; }
   // And of which objects: one for each of drawn().
-  [[nodiscard]] std::span<const DrawRange> ranges() const { return ranges_; }
+  [[nodiscard]] std::span<const ObjectRange> ranges() const { return ranges_; }
 
  private:
   void run_loads();
@@ -80,7 +79,7 @@ class CellWalk {
   bool under_way_ = false;
   std::optional<CellWalker> walker_;
   std::optional<CellLoader> loader_;
-  std::vector<DrawRange> ranges_;
+  std::vector<ObjectRange> ranges_;
   std::vector<DrawObject> drawn_;
   ItemBuffer items_;
   CellWalkFrame frame_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -75,8 +76,8 @@ EyeModel parse_eyes(const std::string& text) {
   if (!size || !numbers || !((*numbers)[0] > 0.0) || !((*numbers)[0] < 180.0) || !((*numbers)[1] > 0.0))
     throw CLI::ValidationError(
         "--eyes", fmt::format("{} is not WIDTHxHEIGHT,FOV,NEAR: pixels, degrees from top to bottom (below 180), and a "
-                              "distance above 0",
-                              shown(text)));
+                               "distance above 0",
+                               shown(text)));
   Camera camera;
   camera.eye = {0, 0, 0};
   camera.target = {1, 0, 0};
@@ -124,8 +125,9 @@ class Building {
       : options_(options), build_(scene.objects, tree), progress_(options.progress) {}
 
   void write_file() {
-    const CellBuildRun run = run_of("building " + options_.output.string(), 0, build_.root_cell_count());
-    write_interruptibly(options_.output.string(), 0, progress_, [&] { build_.write(options_.output, run); });
+    const auto show = shown_as("building " + options_.output.string(), 0, build_.root_cell_count());
+    write_interruptibly(options_.output.string(), 0, progress_,
+                        [&] { build_.write(options_.output, options_.threads, show); });
   }
 
   // All parts of the shard, or of everything. Returns their files.
@@ -145,8 +147,9 @@ class Building {
         ++found_;
         continue;
       }
-      const CellBuildRun run = run_of("building " + options_.work.string(), first - all.first, all.count);
-      write_interruptibly(parts.back().string(), 0, progress_, [&] { build_.write_part(parts.back(), range, run); });
+      const auto show = shown_as("building " + options_.work.string(), first - all.first, all.count);
+      write_interruptibly(parts.back().string(), 0, progress_,
+                          [&] { build_.write_part(parts.back(), range, options_.threads, show); });
       has_written_ = true;
     }
     return parts;
@@ -168,14 +171,14 @@ class Building {
 
  private:
   // `done` of `all` root cells are done already.
-  CellBuildRun run_of(const std::string& what, std::uint32_t done, std::uint32_t all) {
+  std::function<bool(double)> shown_as(const std::string& what, std::uint32_t done, std::uint32_t all) {
     const std::uint32_t here = options_.work.empty() ? all : std::min(roots_in_part, all - done);
-    return {options_.threads, [this, what, done, all, here](double share) {
-              // Once a file has been begun signals are only noted.
-              if (has_written_) note_interrupts();
-              progress_.show(what, (done + share * here) / all);
-              return true;
-            }};
+    return [this, what, done, all, here](double share) {
+      // Once a file has been begun signals are only noted.
+      if (has_written_) note_interrupts();
+      progress_.show(what, (done + share * here) / all);
+      return true;
+    };
   }
 
   const Options& options_;

@@ -33,7 +33,7 @@ struct HlodScene {
   CameraPath path;                       // of one key where a camera was asked for
 };
 
-// Reads and builds. `paged`: as in HlodLoadOptions. Shows progress and notes on standard error. Throws Error as
+// Reads and builds. `paged`: as in LoadOptions. Shows progress and notes on standard error. Throws Error as
 // load_hlods() does.
 [[nodiscard]] std::vector<LoadedHlod> load_hlods_of(const SceneDescription& scene, const std::filesystem::path& folder,
                                                     bool use_cache,

@@ -107,7 +107,7 @@ class WalkTextures {
   WalkTextures(const WalkedFrame& frame, std::span<const std::filesystem::path> folders);
 
   // One for each range; nothing when no object has a texture or material. As long as this.
-  [[nodiscard]] std::vector<ObjectTexture> of(std::span<const DrawRange> ranges) const;
+  [[nodiscard]] std::vector<ObjectTexture> of(std::span<const ObjectRange> ranges) const;
 
  private:
   std::vector<std::shared_ptr<const ObjectTextures>> objects_;

@@ -6,6 +6,7 @@
 #include "gl/backend_options.h"
 #include "occlod/gl.h"
 #include "occlod/visibility.h"
+#include "raster/software_occlusion.h"
 
 namespace occlod::gl {
 namespace {
@@ -37,7 +38,7 @@ std::shared_ptr<Context> TestedBackend::context(std::string& why) const {
 std::unique_ptr<Visibility> TestedBackend::make(std::shared_ptr<Context> context, bool count_pixels) const {
   switch (backend) {
     case Backend::software:
-      return make_software_occlusion({.count_pixels = count_pixels});
+      return make_software_occlusion(count_pixels);
     case Backend::mark:
     case Backend::mark_third: {
       MarkOcclusionOptions options;

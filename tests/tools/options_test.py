@@ -40,7 +40,6 @@ WHOLE = [
     (CELLS_CHECK, "--image-size", 1, 8192),
     (CELLS_CHECK, "--seed", 0, SEEDS),
     (CELLS_CHECK, "--threads", 0, 1024),
-    (CELLS_PACK, "--level", 0, 19),
     (CELLS_WALK, "--memory", 1, SEEDS),
     (CELLS_WALK, "--every", 1, 10**6),
     (RENDER, "--budget", 1, LARGEST),

@@ -25,7 +25,7 @@ class BuildJournal {
  public:
   // Of a file that need not exist, and is not made yet. Throws Error for one that another build uses, that is no
   // journal, or is that of another version or of a build with other options.
-  BuildJournal(std::filesystem::path path, const BuildOptions& options);
+  BuildJournal(std::filesystem::path path, const HlodBuildOptions& options);
 
   // Before all else, with the mesh as the build has it then. Makes the file. Throws Error likewise, and
   // for a journal of another mesh. O(n).
@@ -81,5 +81,10 @@ class BuildJournal {
   std::size_t taken_ = 0;
   std::vector<std::byte> bytes_;  // of one record, with its head when it is appended
 };
+
+// As without `taken`, which becomes the number of nodes that the build took over from its journal.
+[[nodiscard]] Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options, std::size_t& taken);
+[[nodiscard]] Hlod build_hlod(const TriangleSource& source, const HlodBuildOptions& options, MeshReport& report,
+                              std::size_t& taken);
 
 }  // namespace occlod::hlod

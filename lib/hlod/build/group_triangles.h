@@ -30,7 +30,7 @@ struct TriangleGroups {
 
 class TriangleGrouping {
  public:
-  TriangleGrouping(const WedgeMesh& mesh, const BuildOptions& options, unsigned threads);
+  TriangleGrouping(const WedgeMesh& mesh, const HlodBuildOptions& options, unsigned threads);
 
   // Of the input: at most node_triangles in each group.
   [[nodiscard]] TriangleGroups group_input() const;
@@ -48,7 +48,7 @@ class TriangleGrouping {
   void find_node_codes(const LevelDraft& input);
 
   const WedgeMesh& mesh_;
-  const BuildOptions& options_;
+  const HlodBuildOptions& options_;
   unsigned threads_;
   OctreeGrid grid_;
   std::vector<std::uint64_t> node_codes_;  // with nested groups: of a point in the cell of each node of the last level

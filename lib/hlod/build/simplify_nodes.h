@@ -18,7 +18,7 @@ namespace occlod::hlod {
 class NodeSimplifier {
  public:
   // All outlive it; the journal may be null.
-  NodeSimplifier(WedgeMesh& mesh, const BuildOptions& options, unsigned threads, BuildJournal* journal);
+  NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options, unsigned threads, BuildJournal* journal);
 
   // The level above `below`, whose parent_of is set to `groups`: nodes of the journal as far as it goes, then groups
   // simplified. Adds wedges to the mesh. `progress` counts triangles of `below`.
@@ -38,7 +38,7 @@ class NodeSimplifier {
   void pass_on(const LevelDraft& level);
 
   WedgeMesh& mesh_;
-  const BuildOptions& options_;
+  const HlodBuildOptions& options_;
   unsigned threads_;
   BuildJournal* journal_;
   float scale_;

@@ -171,10 +171,14 @@ class MeshLoader {
   std::thread thread_;
 };
 
+// The most bytes of meshes that come in one frame, if it is more than one mesh.
+inline constexpr std::size_t max_bytes_in_frame = std::size_t{4} << 20U;
+
 // What loads pass on their way from a store to its loader: in which frame they come.
 class MeshLink {
  public:
-  MeshLink() = default;
+  // `frame_bytes`: takes the place of max_bytes_in_frame; > 0.
+  explicit MeshLink(std::size_t frame_bytes) : frame_bytes_(frame_bytes) {}
   MeshLink(const MeshLink&) = delete;
   MeshLink& operator=(const MeshLink&) = delete;
   virtual ~MeshLink() = default;
@@ -189,6 +193,11 @@ class MeshLink {
   [[nodiscard]] virtual std::size_t take_due() = 0;
   // Loads that were transferred are forgotten. Returns all others.
   [[nodiscard]] virtual std::vector<MeshLoad> clear() = 0;
+
+  [[nodiscard]] std::size_t frame_bytes() const noexcept { return frame_bytes_; }
+
+ private:
+  std::size_t frame_bytes_;
 };
 
 }  // namespace occlod::hlod

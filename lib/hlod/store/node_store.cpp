@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "base/option_checker.h"
 #include "hlod/store/mesh_loader.h"
 #include "occlod/base.h"
 
@@ -19,10 +18,6 @@ using Urgency = NodeCache::Urgency;
 // Meshes that lie side by side are read together up to so many bytes: larger reads are hardly faster, and come late.
 constexpr std::size_t max_read_bytes = std::size_t{1} << 20U;
 
-void check(const CacheOptions& options) {
-  OptionChecker("cache options").at_least("frame_bytes", static_cast<double>(options.frame_bytes), 1.0);
-}
-
 }  // namespace
 
 class NodeStore::Impl {
@@ -30,7 +25,6 @@ class NodeStore::Impl {
   Impl(const HlodView& view, std::shared_ptr<const void> owner, std::unique_ptr<MeshSource> source,
        const CacheOptions& options)
       : view_(view), owner_(std::move(owner)), source_(std::move(source)), options_(options), cache_(view_, *source_) {
-    check(options);
     check_budget(options.budget_bytes);
     cache_.set_budget(options.budget_bytes);
     read_roots();
@@ -58,6 +52,7 @@ class NodeStore::Impl {
   void set_link(std::unique_ptr<MeshLink> link) {
     assert(loader_);
     link_ = std::move(link);
+    frame_bytes_ = link_->frame_bytes();
   }
 
   [[nodiscard]] StoreStats stats() const {
@@ -208,7 +203,7 @@ class NodeStore::Impl {
     for (std::size_t i = 0; i < arrivals_.size(); ++i) {
       Arrival& arrival = arrivals_[i];
       const std::size_t added = source_->bytes_of(arrival.node);
-      const bool has_turn = bytes == 0 || bytes + added <= options_.frame_bytes;
+      const bool has_turn = bytes == 0 || bytes + added <= frame_bytes_;
       if (has_turn && !waits_for_parents(arrival.node)) {
         bytes += admit(arrival) ? added : 0;
       } else {
@@ -287,7 +282,7 @@ class NodeStore::Impl {
   // What is to be read, in order_: no more than comes in a few frames, so that what is more urgent then comes first.
   void plan() {
     order_.clear();
-    const std::size_t most = 2 * options_.frame_bytes;
+    const std::size_t most = 2 * frame_bytes_;
     bool has_room = plan_lasting();
     for (const Group& group : groups_) {
       if (cache_.coming_bytes() >= most) return;
@@ -295,7 +290,7 @@ class NodeStore::Impl {
     }
     if (!has_room) return;  // room that is left is for what is wanted
     for (const NodeId n : soon_) {
-      if (cache_.coming_bytes() >= options_.frame_bytes || !plan({&n, 1}, Urgency::soon)) return;
+      if (cache_.coming_bytes() >= frame_bytes_ || !plan({&n, 1}, Urgency::soon)) return;
     }
   }
 
@@ -305,7 +300,7 @@ class NodeStore::Impl {
       if (state == State::absent || state == State::coming) break;
     }
     for (NodeId n = first_lasting_; n < cache_.lasting_nodes(); ++n)
-      if (cache_.coming_bytes() >= options_.frame_bytes || !plan({&n, 1}, Urgency::now)) return false;
+      if (cache_.coming_bytes() >= frame_bytes_ || !plan({&n, 1}, Urgency::now)) return false;
     return true;
   }
 
@@ -356,7 +351,8 @@ class NodeStore::Impl {
   std::unique_ptr<MeshSource> source_;
   CacheOptions options_;
   NodeCache cache_;
-  std::unique_ptr<MeshLink> link_;    // null: none
+  std::unique_ptr<MeshLink> link_;  // null: none
+  std::size_t frame_bytes_ = max_bytes_in_frame;
   std::vector<NodeId> wanted_;        // of this frame, group by group
   std::vector<Group> groups_;         // of this frame
   std::vector<Priority> priorities_;  // of what is missing

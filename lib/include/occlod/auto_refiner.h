@@ -158,20 +158,15 @@ struct EffectReport {
 
 // Refinement that asks about occlusion only where that is expected to pay: the setting `auto`.
 
-// What an AutoRefiner chooses from, and by what costs.
-struct AutoOptions {
-  std::optional<Calibration> calibration;  // none: measured, some 150 ms
-  std::vector<std::unique_ptr<Visibility>>
-      backends;  // to choose from, each with another name; none: the software backend
-};
-
 // A Refiner that learns from view to view. Its choices depend on the calibration and on counts, never on a clock: the
 // same calibration, objects, views and options in the same order give the same meshes. One thread at a time.
 class AutoRefiner {
  public:
-  // Throws Error when a hierarchy or a backend is missing, when check_calibration() refuses the calibration, or when it
-  // does not know a backend.
-  explicit AutoRefiner(std::span<const RefineObject> objects, AutoOptions options = {});
+  // Without a calibration it measures one, which takes some 150 ms. It chooses from `backends`, each with another name;
+  // none: the software backend. Throws Error when a hierarchy or a backend is missing, when check_calibration() refuses
+  // the calibration, or when it does not know a backend.
+  explicit AutoRefiner(std::span<const RefineObject> objects, const std::optional<Calibration>& calibration = {},
+                       std::vector<std::unique_ptr<Visibility>> backends = {});
   ~AutoRefiner();
   AutoRefiner(AutoRefiner&&) noexcept;
   AutoRefiner& operator=(AutoRefiner&&) noexcept;

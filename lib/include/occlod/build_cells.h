@@ -17,14 +17,6 @@
 
 namespace occlod {
 
-// How a build runs; what it builds does not depend on it.
-struct CellBuildRun {
-  int threads = 0;  // in [0, 1024]; 0: one for each core. Each has a CellBuilder of its own
-  // Called now and then on the calling thread with the share done, in [0, 1]; returning false cancels the build, which
-  // then throws Error. What it throws ends the build too.
-  std::function<bool(double)> progress = {};
-};
-
 // A run of root cells in their order: regions as they are given, within each along a Hilbert curve.
 struct CellRange {
   std::uint32_t first = 0;  // root cell
@@ -53,10 +45,14 @@ class CellBuild {
   // Whether the file is there, whole, and what write_part() would write. O(bytes).
   [[nodiscard]] bool has_part(const std::filesystem::path& part, const CellRange& range) const;
 
-  // Divides the root cells and writes them. Throws Error when it is cancelled or the file cannot be written.
-  void write_part(const std::filesystem::path& part, const CellRange& range, const CellBuildRun& run = {});
-  // The same for all root cells, as a .vlod file.
-  void write(const std::filesystem::path& path, const CellBuildRun& run = {});
+  // Divides the root cells and writes them, on `threads` threads in [0, 1024], 0: one for each core; each has a
+  // CellBuilder of its own. `progress` is called now and then on the calling thread with the share done, in [0, 1];
+  // returning false cancels the build, and what it throws ends the build too. Throws Error when it is cancelled,
+  // `threads` is out of its range or the file cannot be written.
+  void write_part(const std::filesystem::path& part, const CellRange& range, int threads = 0,
+                  const std::function<bool(double)>& progress = {});
+  // Does the same for all root cells, and writes a .vlod file.
+  void write(const std::filesystem::path& path, int threads = 0, const std::function<bool(double)>& progress = {});
 
   // That were found so far: of cells, of what was divided, and of parts of cells that were not kept.
   [[nodiscard]] std::size_t cuts() const noexcept;
@@ -76,19 +72,12 @@ void merge_cells(std::span<const std::filesystem::path> parts, const std::filesy
 
 // Packed .vlod files: view cells with all the geometry that they draw, so that no hierarchy is needed to walk.
 
-// How a file is packed.
-struct PackOptions {
-  int level = 12;  // of zstd, in [1, 19]; 0: the geometry is not compressed
-  // Called now and then with the share done, in [0, 1]; returning false cancels, which then throws Error.
-  std::function<bool(double)> progress = {};
-};
-
 // Writes the same cells as a packed file. Its splits are numbered anew, in an order in which those of a cell are few
 // runs and every split comes after those that it needs; those that no cell applies are left out. `file`: opened with
-// `objects`; it may be packed itself. The file appears whole or not at all, and the same cells and level give the same
-// bytes. Throws Error when the file is damaged, an option is out of its range, or nothing can be written.
-// O(n log n) in what all nodes add; memory: that, and the file to be written.
+// `objects`; it may be packed itself. `progress` is called now and then with the share done, in [0, 1]; returning false
+// cancels, which then throws Error. The file appears whole or not at all, and the same cells give the same bytes.
+// Throws Error when the file is damaged or nothing can be written. O(n log n) in what all nodes add; memory: that, and the file to be written.
 void pack_cells(const VlodFile& file, std::span<const RefineObject> objects, const std::filesystem::path& path,
-                const PackOptions& options = {});
+                const std::function<bool(double)>& progress = {});
 
 }  // namespace occlod

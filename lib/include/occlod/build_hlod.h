@@ -21,7 +21,7 @@ enum class Within {
 };
 
 // How an HLOD is built.
-struct BuildOptions {
+struct HlodBuildOptions {
   std::uint32_t node_triangles = 2000;    // the most that a node of level 0 has; groups of four times as many are
                                           // simplified to about a quarter; in [16, 4096]
   Grouping grouping = Grouping::shifted;  // how triangles are grouped from level to level
@@ -38,8 +38,6 @@ struct BuildOptions {
   // stays when the build ends: remove it once the result is written. What is damaged or cut off at its end is done
   // again. Error for a file that is no journal, that another build uses, or that does not fit.
   std::filesystem::path journal = {};
-  // Called on the calling thread, once, before a build with a journal returns: how many nodes it has taken over.
-  std::function<void(std::size_t nodes)> resumed = {};
   // Called now and then on the calling thread with the share done, in [0, 1]; returning false cancels the build, which
   // then throws Error. What it throws ends the build too.
   std::function<bool(double)> progress = {};
@@ -50,14 +48,14 @@ struct BuildOptions {
 // triangles, with an index out of range, with two vertices at one position or a position that is not finite or has a
 // coordinate beyond farthest_coordinate, and when cancelled. O(n log n) time; about 100 bytes a triangle beside the
 // result while building.
-[[nodiscard]] Hlod build_hlod(const TriangleMesh& mesh, const BuildOptions& options = {});
+[[nodiscard]] Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options = {});
 
 // The same from a source that is read once, for meshes larger than memory: keep a MemoryLimit (core/memory_limit.h)
 // while this runs and while the result is written. Vertices of all pieces at one position become one, triangles with
 // two corners at one place and vertices without triangles go, as clean() has it; `report` is filled in but for
 // topology, which needs the mesh as a whole: those counts stay 0. The bytes are those of build_hlod() of the cleaned
 // mesh. Throws Error as above, for what pieces throw, and for 2^32 or more vertices or triangles.
-[[nodiscard]] Hlod build_hlod(const TriangleSource& source, const BuildOptions& options, MeshReport& report);
+[[nodiscard]] Hlod build_hlod(const TriangleSource& source, const HlodBuildOptions& options, MeshReport& report);
 
 // Refinement within nodes (Charalambos 2006, sec. 4.4): the mesh of a node with some of its collapses undone, so that
 // its error is anything between its own and its children's. For HLODs built with Within::splits.

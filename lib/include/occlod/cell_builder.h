@@ -209,14 +209,13 @@ enum class CellDivision : std::uint32_t {
   gain      // if its parts draw, on average by volume, less than nine tenths of what it draws
 };
 
-// All that decides what is in a .vlod file, besides the objects.
+// All that decides what is in a .vlod file, besides the objects. Root cells are divided ten times at most.
 struct CellTreeOptions {
   CellOptions cell = {};  // of each cell
   // The eye may be anywhere in these boxes, world space. Each is divided by itself; they may overlap.
   std::vector<CellBox> regions = {};
   double root_cell = 16.0;     // world units, > 0: a region is cut into equal boxes whose edges are no longer
   double smallest_cell = 1.0;  // world units, > 0: no edge is halved that would become shorter
-  std::uint32_t levels = 10;   // of cells below those, at most; at most 32
   std::uint64_t max_triangles = 200'000;          // to draw: a cell that draws more is divided if `division` says so
   CellDivision division = CellDivision::halving;  // whether that is worth while
   // How far occluders may have moved, world units, >= 0; a quarter of smallest_cell unless it is given. See

@@ -104,11 +104,6 @@ class RenderDevice {
 
 // The device `software`: our rasteriser, with exact counts at once. The picture and the truth for every other device.
 
-// How the software device draws.
-struct SoftwareDeviceOptions {
-  bool items = false;  // keep which triangle owns each pixel; drawing then takes about twice as long
-};
-
 // What has been done since begin_frame().
 struct DeviceWork {
   std::uint64_t draws = 0;            // calls of draw()
@@ -125,8 +120,9 @@ struct DeviceWork {
 // the calling thread always.
 class SoftwareDevice final : public RenderDevice {
  public:
-  // Allocates nothing before the first frame.
-  explicit SoftwareDevice(const SoftwareDeviceOptions& options = {});
+  // `keep_items`: keeps which triangle owns each pixel, for items(); drawing then takes about twice as long. Allocates
+  // nothing before the first frame.
+  explicit SoftwareDevice(bool keep_items = false);
   ~SoftwareDevice() override;
 
   [[nodiscard]] std::string_view name() const noexcept override;
@@ -143,7 +139,7 @@ class SoftwareDevice final : public RenderDevice {
   [[nodiscard]] const DeviceWork& work() const noexcept;
   // A copy of what is drawn, or has been where the frame has ended. O(pixels).
   [[nodiscard]] DepthBuffer depth() const;
-  // What is drawn likewise; with SoftwareDeviceOptions::items. Triangle i of the frame's k-th draw is item i + the
+  // Returns what is drawn likewise, of a device that keeps items. Triangle i of the frame's k-th draw is item i + the
   // triangles of the draws before it, in the order of the ranges.
   [[nodiscard]] const ItemBuffer& items() const noexcept;
 

@@ -143,10 +143,10 @@ struct HlodView {
   std::uint64_t input_triangle_count = 0;  // of level 0
   Grouping grouping = Grouping::shifted;   // how it was built
   Borders borders = Borders::locked;       // likewise
-  std::uint32_t node_triangles = 0;        // likewise: BuildOptions::node_triangles
+  std::uint32_t node_triangles = 0;        // likewise: HlodBuildOptions::node_triangles
   bool has_normals = false;                // whether meshes have them
   bool has_colors = false;                 // likewise
-  std::span<const NodeWithin> within;      // by node; empty without BuildOptions::within
+  std::span<const NodeWithin> within;      // by node; empty without HlodBuildOptions::within
   std::span<const std::byte> splits;       // of all nodes: the arrays of NodeSplits
   bool has_texture_coordinates = false;    // whether meshes have them
   bool has_materials = false;              // whether meshes say which material their vertices have
@@ -154,7 +154,7 @@ struct HlodView {
   std::span<const Material> materials;     // that NodeMesh::materials index
   std::span<const Texture> textures;       // that materials index
   TextureOrigin texture_origin = TextureOrigin::bottom_left;  // of texture coordinates
-  float lattice_step = 0.0F;  // all coordinates are multiples of it, BuildOptions::quantise_bits; 0: as the input's
+  float lattice_step = 0.0F;  // all coordinates are multiples of it, HlodBuildOptions::quantise_bits; 0: as the input's
 };
 
 inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes, and of its splits
@@ -243,22 +243,17 @@ class Hlod {
 // The same for its splits: their parents come before them, errors are finite and descend. O(size of the splits).
 [[nodiscard]] std::optional<std::string> check_within(const HlodView& data, NodeId n);
 
-// How thoroughly validate() looks.
-struct ValidateOptions {
-  std::size_t random_fronts = 64;  // random legal fronts whose boundary is compared with the input's
-};
-
 // Checks five invariants: (1) no error is smaller than a child's, and boxes and spheres contain what they say; (2) all
 // vertices of a node are vertices of its children; (3) the triangles of a node are those of its children that it
 // replaces, with its merges applied, where degenerate ones vanish and opposite ones cancel; (4) where borders are
-// locked, every vertex is merged in one node only, and the oriented boundary of random legal fronts is that of the
+// locked, every vertex is merged in one node only, and the oriented boundary of `random_fronts` random legal fronts is that of the
 // input with the merges of all coarser nodes applied: no crack opens between nodes of different levels; (5) of nodes
 // with splits, all splits together give the triangles that the node was made from, and none of them its mesh, triangle
 // for triangle; their errors descend from that of the node; and (4) holds too for fronts on which nodes whose parents
 // are all refined are drawn with a random number of their splits. Returns one line per violation (at most 20), none
 // when all hold. Throws Error when a mapped file is damaged. O(size + nodes * random_fronts); with splits O(size *
 // random_fronts).
-[[nodiscard]] std::vector<std::string> validate(const Hlod& hlod, const ValidateOptions& options = {});
+[[nodiscard]] std::vector<std::string> validate(const Hlod& hlod, std::size_t random_fronts = 64);
 
 // True iff the nodes of level 0 together are exactly the triangles of `mesh`, rounded to the HLOD's lattice and cleaned
 // if it has one: the same positions in the same rotational order, each as often, with the same material and, at each

@@ -19,15 +19,13 @@ namespace occlod::hlod {
 // How meshes come.
 enum class LoadMode {
   blocking,  // at once, on the thread that traverses, which waits for the disk
-  async,     // read by a thread of the store; frames never wait
+  async,     // read by a thread of the store; frames never wait, and take over 4 MB at most, or one mesh
 };
 
 // What a store may use, and how it reads.
 struct CacheOptions {
   std::size_t budget_bytes = std::size_t{256} << 20U;  // of meshes, those that are being read included: a hard limit
   LoadMode load = LoadMode::async;                     // how meshes come
-  // That come in one frame at most, if it is more than one mesh; with blocking there is no such limit. > 0
-  std::size_t frame_bytes = std::size_t{4} << 20U;
 };
 
 // What a store holds and has done.
