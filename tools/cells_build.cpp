@@ -69,13 +69,13 @@ CellBox parse_region(const std::string& text) {
   return {{(*n)[0], (*n)[1], (*n)[2]}, {(*n)[3], (*n)[4], (*n)[5]}};
 }
 
-EyeModel parse_eyes(const std::string& text) {
+EyeModel parse_image(const std::string& text) {
   const std::size_t comma = text.find(',');
   const auto size = parse_size(text.substr(0, comma));
   const auto numbers = comma == std::string::npos ? std::nullopt : numbers_in(text.substr(comma + 1), 2);
   if (!size || !numbers || !((*numbers)[0] > 0.0) || !((*numbers)[0] < 180.0) || !((*numbers)[1] > 0.0))
     throw CLI::ValidationError(
-        "--eyes", fmt::format("{} is not WIDTHxHEIGHT,FOV,NEAR: pixels, degrees from top to bottom (below 180), and a "
+        "--image", fmt::format("{} is not WIDTHxHEIGHT,FOV,NEAR: pixels, degrees from top to bottom (below 180), and a "
                                "distance above 0",
                                shown(text)));
   Camera camera;
@@ -268,9 +268,9 @@ void add_cells_build(CLI::App& cells) {
              {{"none", CellOcclusion::none}, {"hull", CellOcclusion::hull}, {"sampled", CellOcclusion::sampled}},
              "hull: leave out what is hidden from all of a cell; sampled: what 125 eyes do not see, which may miss "
              "something; none: leave out nothing that is hidden");
-  add_text(command, "--eyes", "WxH,FOV,NEAR",
+  add_text(command, "--image", "WxH,FOV,NEAR",
            "Image, field of view from top to bottom and near plane of all eyes [1024x768,60,0.01]",
-           [options](const std::string& text) { options->tree.cell.eyes = parse_eyes(text); });
+           [options](const std::string& text) { options->tree.cell.eyes = parse_image(text); });
   add_space_options(command, options);
   add_file(command, "--work", options->work,
            "Keep what is done in parts in this folder, and build only parts that are not there, or damaged")

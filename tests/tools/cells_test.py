@@ -8,7 +8,7 @@ import unittest
 from tool_case import OCCLOD, TRIANGLES, ToolTest
 
 # Eight root cells beside a planet of radius 1.
-SPACE = ["--region", "1.5,-0.5,-0.5,2.5,0.5,0.5", "--root-cell", 0.5, "--smallest-cell", 0.125, "--eyes", "320x240,60,0.01", "--tolerance", 1.5]
+SPACE = ["--region", "1.5,-0.5,-0.5,2.5,0.5,0.5", "--root-cell", 0.5, "--smallest-cell", 0.125, "--image", "320x240,60,0.01", "--tolerance", 1.5]
 # Four root cells in a row away from it: what is farther draws less than half, so some are divided.
 DIVIDED = ["--region", "1.5,-4,-4,33.5,4,4", "--root-cell", 8, "--smallest-cell", 1, *SPACE[6:], "--max-triangles", 100]
 
