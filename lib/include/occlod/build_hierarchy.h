@@ -51,8 +51,8 @@ struct BuildOptions {
 // that depends on it or is below it in the forest; (2) sphere, box and cylinder contain all faces of the split and
 // those below it; (3) the normal cone contains their normals; (4) applying the splits in order removes only active
 // faces and ends with the input triangles, and every random closed set gives a conforming mesh, in which each edge that
-// is no boundary of the input is shared; `random_cuts` (>= 0) sets are tried. Returns one line per violation (at most 20), none when all hold. Throws Error
-// when a mapped file is damaged. O(size * random_cuts).
+// is no boundary of the input is shared; `random_cuts` (>= 0) sets are tried. Returns one line per violation (at most
+// 20), none when all hold. Throws Error when a mapped file is damaged. O(size * random_cuts).
 [[nodiscard]] std::vector<std::string> validate(const Hierarchy& hierarchy, int random_cuts = 16);
 
 // True iff applying all splits gives exactly the triangles of `mesh`: the same positions in the same rotational order,

@@ -75,11 +75,11 @@ struct ObjectRange {
   std::uint32_t count = 0;   // of triangles, >= 1
 };
 
-// The blocks of a frame that may be inside the frustum, neighbouring ones joined. Clears `out`. O(blocks).
+// Finds the blocks of a frame that may be inside the frustum, neighbouring ones joined. Clears `out`. O(blocks).
 void ranges_in_view(const WalkedFrame& frame, std::span<const RefineObject> objects, const View& view,
                     std::vector<ObjectRange>& out);
 
-// The objects of a file, without hierarchies: for ranges_in_view() of a walk through a packed file.
+// Returns the objects of a file, without hierarchies: for ranges_in_view() of a walk through a packed file.
 [[nodiscard]] std::vector<RefineObject> placements(const VlodFile& file);
 
 class CellLoader;
@@ -90,11 +90,12 @@ struct WalkTrial;
 // is drawn, all of whose splits the cell has too, with its error (docs/guide/view_cells.md#walking).
 class CellWalker {
  public:
-  // `objects`: those that the file was opened with; their hierarchies outlive the walker. Reads what all cells have in
-  // common. Throws Error when that cannot be read or options are out of their range: then the least memory is named.
+  // Walks through a file; `objects` are those that it was opened with; their hierarchies outlive the walker. Reads what
+  // all cells have in common. Throws Error when that cannot be read or options are out of their range: then the least
+  // memory is named.
   CellWalker(std::shared_ptr<const VlodFile> file, std::span<const RefineObject> objects,
              const WalkOptions& options = {});
-  // Through a packed file that was opened without objects: no hierarchies are needed.
+  // Walks through a packed file that was opened without objects: no hierarchies are needed.
   explicit CellWalker(std::shared_ptr<const VlodFile> file, const WalkOptions& options = {});
   // Waits for reads that have begun.
   ~CellWalker();
@@ -105,7 +106,7 @@ class CellWalker {
   // or throws because of it. O(cells that may be entered soon), microseconds.
   const WalkedFrame& step(const glm::dvec3& eye, double seconds);
 
-  // For simulated disks and tests, before the first step: tools/simulated_disk.h.
+  // Varies the walk for simulated disks and tests, before the first step.
   void set_trial(WalkTrial trial);
 
  private:
@@ -118,7 +119,7 @@ class CellWalker {
 // each. The walker outlives it.
 class CellLoader {
  public:
-  // Of a walker with WalkOptions::loaders = 0, or beside its own.
+  // Loads for a walker with WalkOptions::loaders = 0, or beside its own.
   explicit CellLoader(CellWalker& walker);
   ~CellLoader();
   CellLoader(const CellLoader&) = delete;

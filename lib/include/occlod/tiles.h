@@ -72,7 +72,7 @@ struct TilesetCounts {
 TilesetCounts write_tileset(const std::filesystem::path& folder, const hlod::Hlod& hlod,
                             const TilesetOptions& options = {});
 
-// Throws what write_tileset() throws for this folder and writes nothing: for programs that compute for long before.
+// Throws what write_tileset() throws for this folder and writes nothing, for programs that compute for long before.
 void check_tileset_output(const std::filesystem::path& folder, bool replace);
 
 }  // namespace occlod::tiles
