@@ -180,7 +180,8 @@ class NodeSimplifier::Worker {
   std::vector<std::uint8_t> locked_, used_;
 };
 
-NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const BuildOptions& options, unsigned threads, BuildJournal* journal)
+NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options, unsigned threads,
+                               BuildJournal* journal)
     : mesh_(mesh),
       options_(options),
       threads_(threads),
