@@ -23,7 +23,7 @@ def options_of(scene, root_cells):
     edge, smallest = cells.get("root_cell", 16.0), cells.get("smallest_cell", 1.0)
     across = max(1, round(root_cells**0.5))
     region = [min(high[i], low[i] + edge * (across if i < 2 else 1)) for i in range(3)]
-    return occlod.CellTreeOptions([occlod.CellBox(tuple(low), tuple(region))], root_cell=edge, smallest_cell=smallest, levels=0)
+    return occlod.CellTreeOptions([occlod.CellBox(tuple(low), tuple(region))], root_cell=edge, smallest_cell=smallest, max_triangles=2**62)
 
 
 def timed(work):

@@ -140,9 +140,7 @@ class Contest {
 
  private:
   [[nodiscard]] AutoRefiner auto_refiner() const {
-    AutoOptions options;
-    options.calibration = calibration_;
-    return AutoRefiner(tool::refine_objects(run_.objects), std::move(options));
+    return AutoRefiner(tool::refine_objects(run_.objects), calibration_);
   }
   [[nodiscard]] Refine by(AutoRefiner& refiner) const {
     RefineOptions options;
@@ -224,9 +222,7 @@ Json followed_row(SceneRun& run, const std::string& scene, const Options& option
           },
           contestant.scores);
     }
-    AutoOptions auto_options;
-    auto_options.calibration = calibration;
-    AutoRefiner refiner(tool::refine_objects(run.objects), std::move(auto_options));
+    AutoRefiner refiner(tool::refine_objects(run.objects), calibration);
     choices.clear();
     path.follow(
         [&](const View& view) -> const Refinement& {

@@ -144,7 +144,7 @@ void print_rows(const std::string& name, const Options& options) {
   for (int round = 0; round < options.repeat; ++round) {  // in turn, so that other programs disturb all alike
     time(direct, [&] { hierarchy = build_hierarchy(mesh, direct_options); });
     for (std::size_t k = 0; k < std::size(kinds); ++k) {
-      hlod::BuildOptions build;
+      hlod::HlodBuildOptions build;
       build.grouping = kinds[k].grouping;
       build.borders = kinds[k].borders;
       build.within = kinds[k].within;
@@ -160,7 +160,7 @@ void print_rows(const std::string& name, const Options& options) {
     for (const hlod::Node& node : hlods[k].data().nodes) stored += node.triangles;
     // Fronts with cuts within nodes are summed up triangle by triangle.
     const std::size_t fronts = kinds[k].within == Within::splits ? options.fronts / 10 : options.fronts;
-    const std::size_t violations = validate(hlods[k], {fronts}).size();
+    const std::size_t violations = validate(hlods[k], fronts).size();
     fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {} | {} | {:.2f} | {:.1f} | {} | {} |\n", name, kinds[k].name,
                times[k].wall, 1e6 * times[k].processor / triangles, direct.wall / times[k].wall, hlods[k].node_count(),
                hlods[k].data().roots.size(), stored / triangles, static_cast<double>(hlods[k].bytes()) / triangles,

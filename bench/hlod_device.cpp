@@ -74,7 +74,7 @@ std::string hash_of(const DepthBuffer& depth) {
 
 // Draws a level of the scene on an empty image.
 void draw(benchmark::State& state, const Scene& scene, std::size_t level, float morph, bool items) {
-  hlod::SoftwareDevice device({.items = items});
+  hlod::SoftwareDevice device(items);
   for ([[maybe_unused]] auto iteration : state) {
     begin(device, scene);
     draw_level(device, scene.hlod, level, morph);

@@ -67,7 +67,7 @@ class Runs:
         part.rename(file)
 
     def build(self, name, scene, *options, eyes=EYES):
-        self.run(f"{name}_build.json", self.occlod, "cells", "build", scene, "-o", self.out / f"{name}.vlod", "--eyes", eyes, "--json", *options)
+        self.run(f"{name}_build.json", self.occlod, "cells", "build", scene, "-o", self.out / f"{name}.vlod", "--image", eyes, "--json", *options)
         return json.loads((self.out / f"{name}_build.json").read_text())
 
     def scene(self, scene):

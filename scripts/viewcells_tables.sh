@@ -35,7 +35,7 @@ for scene in "${scenes[@]}"; do
   name=$(basename "$file" .json)${quick:+_quick}
   cells=$out/$name.vlod
   if [ "$reuse" = 0 ] || [ ! -f "$cells" ]; then
-    build/bench/tools/occlod cells build "$file" -o "$cells" --eyes 1024x768,60,0.1 >&2
+    build/bench/tools/occlod cells build "$file" -o "$cells" --image 1024x768,60,0.1 >&2
   fi
   build/bench/bench/viewcells/bench_viewcells "$cells" "$file" "${quick[@]}" > "$out/$name.json"
   results+=("$out/$name.json")

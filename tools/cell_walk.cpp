@@ -35,19 +35,16 @@ CellWalk::CellWalk(std::shared_ptr<const VlodFile> file, std::span<const RefineO
                    const CellWalkOptions& options)
     : file_(std::move(file)),
       objects_(objects.empty() ? placements(*file_) : std::vector<RefineObject>(objects.begin(), objects.end())) {
-  WalkOptions walk;
-  walk.memory = options.memory;
-  walk.prefetch = options.prefetch;
-  walk.loaders = 0;
-  walk.note = options.note;
+  walker_.emplace(file_, objects, WalkOptions{.memory = options.memory, .loaders = 0});
+  WalkTrial trial{.prefetch = options.prefetch};
   if (options.disk) {
     const auto wait = [this](double seconds) { disk_clock_ += seconds; };
-    walk.reader =
+    trial.reader =
         throttled([this](CellId cell, std::span<const CellAdditions* const> above) { return file_->read(cell, above); },
                   *file_, *options.disk, wait);
-    walk.before_geometry = throttled_geometry(*options.disk, wait);
+    trial.before_geometry = throttled_geometry(*options.disk, wait);
   }
-  walker_.emplace(file_, objects, walk);
+  walker_->set_trial(std::move(trial));
   loader_.emplace(*walker_);
   takes_time_ = options.disk.has_value();
   disk_clock_ = 0.0;  // the walker's first reads came before the walk
@@ -89,7 +86,7 @@ const CellWalkFrame& CellWalk::go_to(const Camera& camera) {
   const double culled = thread_cpu_ms();
   drawn_.clear();
   std::size_t triangles = 0;
-  for (const DrawRange& range : ranges_) {
+  for (const ObjectRange& range : ranges_) {
     const WalkedObject& object = walked.objects[range.object];
     drawn_.push_back({object.positions, object.colors, object.triangles.subspan(range.first, range.count),
                       objects_[range.object].object_to_world});

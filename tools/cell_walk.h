@@ -29,7 +29,6 @@ struct CellWalkOptions {
   // Loads take the time of this disk plus their processor time, while time passes from frame to frame. Without a value
   // the disk takes no time.
   std::optional<DiskSpeed> disk;
-  std::function<void(const std::string& line)> note = {};
 };
 
 // Describes what a frame cost and shows. Times are processor times of this thread, except for drawing.
@@ -67,7 +66,7 @@ class CellWalk {
   [[nodiscard]] const ItemBuffer& items() const { return items_; }
   [[nodiscard]] std::span<const DrawObject> drawn() const { return drawn_; }
   // Returns the range of an object for each entry of drawn().
-  [[nodiscard]] std::span<const DrawRange> ranges() const { return ranges_; }
+  [[nodiscard]] std::span<const ObjectRange> ranges() const { return ranges_; }
 
  private:
   void run_loads();
@@ -80,7 +79,7 @@ class CellWalk {
   bool under_way_ = false;
   std::optional<CellWalker> walker_;
   std::optional<CellLoader> loader_;
-  std::vector<DrawRange> ranges_;
+  std::vector<ObjectRange> ranges_;
   std::vector<DrawObject> drawn_;
   ItemBuffer items_;
   CellWalkFrame frame_;

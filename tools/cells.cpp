@@ -30,7 +30,6 @@ Json options_to_json(const CellTreeOptions& options) {
           {"occluder_motion", options.occluder_motion.value_or(0.0)},
           {"root_cell", options.root_cell},
           {"smallest_cell", options.smallest_cell},
-          {"levels", options.levels},
           {"max_triangles", options.max_triangles},
           {"division", name_of(options.division)},
           {"regions", regions}};

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -68,15 +69,15 @@ CellBox parse_region(const std::string& text) {
   return {{(*n)[0], (*n)[1], (*n)[2]}, {(*n)[3], (*n)[4], (*n)[5]}};
 }
 
-EyeModel parse_eyes(const std::string& text) {
+EyeModel parse_image(const std::string& text) {
   const std::size_t comma = text.find(',');
   const auto size = parse_size(text.substr(0, comma));
   const auto numbers = comma == std::string::npos ? std::nullopt : numbers_in(text.substr(comma + 1), 2);
   if (!size || !numbers || !((*numbers)[0] > 0.0) || !((*numbers)[0] < 180.0) || !((*numbers)[1] > 0.0))
     throw CLI::ValidationError(
-        "--eyes", fmt::format("{} is not WIDTHxHEIGHT,FOV,NEAR: pixels, degrees from top to bottom (below 180), and a "
-                              "distance above 0",
-                              shown(text)));
+        "--image", fmt::format("{} is not WIDTHxHEIGHT,FOV,NEAR: pixels, degrees from top to bottom (below 180), and a "
+                               "distance above 0",
+                               shown(text)));
   Camera camera;
   camera.eye = {0, 0, 0};
   camera.target = {1, 0, 0};
@@ -124,8 +125,9 @@ class Building {
       : options_(options), build_(scene.objects, tree), progress_(options.progress) {}
 
   void write_file() {
-    const CellBuildRun run = run_of("building " + options_.output.string(), 0, build_.root_cell_count());
-    write_interruptibly(options_.output.string(), 0, progress_, [&] { build_.write(options_.output, run); });
+    const auto show = shown_as("building " + options_.output.string(), 0, build_.root_cell_count());
+    write_interruptibly(options_.output.string(), 0, progress_,
+                        [&] { build_.write(options_.output, options_.threads, show); });
   }
 
   // Writes all parts of the shard, or of everything, and returns their files.
@@ -145,8 +147,9 @@ class Building {
         ++found_;
         continue;
       }
-      const CellBuildRun run = run_of("building " + options_.work.string(), first - all.first, all.count);
-      write_interruptibly(parts.back().string(), 0, progress_, [&] { build_.write_part(parts.back(), range, run); });
+      const auto show = shown_as("building " + options_.work.string(), first - all.first, all.count);
+      write_interruptibly(parts.back().string(), 0, progress_,
+                          [&] { build_.write_part(parts.back(), range, options_.threads, show); });
       has_written_ = true;
     }
     return parts;
@@ -168,14 +171,14 @@ class Building {
 
  private:
   // `done` of `all` root cells are already done.
-  CellBuildRun run_of(const std::string& what, std::uint32_t done, std::uint32_t all) {
+  std::function<bool(double)> shown_as(const std::string& what, std::uint32_t done, std::uint32_t all) {
     const std::uint32_t here = options_.work.empty() ? all : std::min(roots_in_part, all - done);
-    return {options_.threads, [this, what, done, all, here](double share) {
-              // Once a file was begun, signals are only recorded.
-              if (has_written_) note_interrupts();
-              progress_.show(what, (done + share * here) / all);
-              return true;
-            }};
+    return [this, what, done, all, here](double share) {
+      // Once a file was begun, signals are only recorded.
+      if (has_written_) note_interrupts();
+      progress_.show(what, (done + share * here) / all);
+      return true;
+    };
   }
 
   const Options& options_;
@@ -265,9 +268,9 @@ void add_cells_build(CLI::App& cells) {
              {{"none", CellOcclusion::none}, {"hull", CellOcclusion::hull}, {"sampled", CellOcclusion::sampled}},
              "hull: leave out what is hidden from all of a cell; sampled: what 125 eyes do not see, which may miss "
              "something; none: leave out nothing that is hidden");
-  add_text(command, "--eyes", "WxH,FOV,NEAR",
+  add_text(command, "--image", "WxH,FOV,NEAR",
            "Image, field of view from top to bottom and near plane of all eyes [1024x768,60,0.01]",
-           [options](const std::string& text) { options->tree.cell.eyes = parse_eyes(text); });
+           [options](const std::string& text) { options->tree.cell.eyes = parse_image(text); });
   add_space_options(command, options);
   add_file(command, "--work", options->work,
            "Keep what is done in parts in this folder, and build only parts that are not there, or damaged")

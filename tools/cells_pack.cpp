@@ -18,7 +18,6 @@ namespace {
 
 struct Options {
   std::filesystem::path file, scene, output;
-  int level = PackOptions().level;
   bool use_cache = true;
   ShowProgress progress = ShowProgress::automatic;
   bool json = false;
@@ -39,18 +38,16 @@ void run(const Options& options) {
   const auto file = open_vlod(options.file, scene.objects, scene.names);
   Progress progress(options.progress);
   const Stopwatch stopwatch;
-  PackOptions how;
-  how.level = options.level;
-  how.progress = [&](double share) {
+  const auto show = [&](double share) {
     progress.show("packing " + options.file.string(), share);
     return true;
   };
   write_interruptibly(options.output.string(), 0, progress,
-                      [&] { pack_cells(*file, scene.objects, options.output, how); });
+                      [&] { pack_cells(*file, scene.objects, options.output, show); });
   progress.clear();
   const auto packed = open_vlod(options.output);
   const std::size_t hierarchies = hierarchy_bytes(scene.objects);
-  Json result = {{"input", options.file.string()}, {"file", options.output.string()}, {"level", options.level}};
+  Json result = {{"input", options.file.string()}, {"file", options.output.string()}};
   result.update(to_json(*packed));
   result["unpacked_bytes"] = file->file_bytes();
   result["hierarchy_bytes"] = hierarchies;
@@ -70,9 +67,6 @@ void add_cells_pack(CLI::App& cells) {
   add_file(command, "SCENE", options->scene, "What they were built of: a scene (.json), a mesh or an .olod file")
       ->required();
   add_file(command, "-o,--output", options->output, "File to write, .vlod")->required();
-  add_number(command, "--level", options->level, WholeRange{0, 19},
-             "How hard to compress, as zstd has it; 0: the geometry is not compressed")
-      ->capture_default_str();
   command.callback([options, &command] {
     read_global_options(command,
                         {.json = &options->json, .progress = &options->progress, .use_cache = &options->use_cache});

@@ -203,7 +203,6 @@ void run(Options options) {
     auto with_objects = open_vlod(options.file, scene.objects, scene.names);
     if (!file->is_packed()) file = std::move(with_objects);
   }
-  options.walk.note = [](const std::string& line) { print_note(line); };
   CellWalk walk(file, file->is_packed() ? std::span<const RefineObject>() : scene.objects, options.walk);
   std::optional<Comparison> comparison;
   if (options.reference) comparison.emplace(scene.objects, file->options().cell.tolerance_px);
@@ -212,6 +211,7 @@ void run(Options options) {
   if (!options.json) print_header();
   for (int i = 0; i < path.frames; ++i) {
     const CellWalkFrame& frame = walk.go_to(camera_at(path, i));
+    for (const std::string& line : frame.walked.notes) print_note(line);
     frames.push_back(to_json(i, frame));
     const View view(frame.camera);
     if (comparison && i % every == 0)

@@ -10,6 +10,7 @@
 #include "command_files.h"
 #include "global_options.h"
 #include "hlod.h"
+#include "hlod/build/build_journal.h"
 #include "interrupt.h"
 #include "occlod/base.h"
 #include "occlod/build_hlod.h"
@@ -28,7 +29,7 @@ constexpr int min_bits = 8, max_bits = 23;
 struct Options {
   std::vector<std::string> inputs;
   std::string output;
-  hlod::BuildOptions build;
+  hlod::HlodBuildOptions build;
   OlodCompression compression = OlodCompression::zstd;
   std::optional<std::size_t> memory;
   std::string scratch;
@@ -45,10 +46,9 @@ std::vector<std::filesystem::path> mesh_files_of(const std::string& scene) {
 
 std::string journal_of(const Options& options) { return options.output + ".journal"; }
 
-hlod::BuildOptions build_options(const Options& options, Progress& progress, std::size_t& nodes_found) {
-  hlod::BuildOptions build = options.build;
+hlod::HlodBuildOptions build_options(const Options& options, Progress& progress) {
+  hlod::HlodBuildOptions build = options.build;
   if (options.resume) build.journal = journal_of(options);
-  build.resumed = [&nodes_found](std::size_t nodes) { nodes_found = nodes; };
   build.progress = [&progress, what = "building " + options.output](double done) {
     progress.show(what, done);
     return true;
@@ -83,7 +83,7 @@ Built build_in_memory(const Options& options, Progress& progress) {
   const Stopwatch stopwatch;
   const CleanMesh input = read_hlod_input(options.inputs, progress);
   built.read_ms = stopwatch.milliseconds();
-  built.hlod = build_hlod(input.mesh, build_options(options, progress, built.nodes_found));
+  built.hlod = build_hlod(input.mesh, build_options(options, progress), built.nodes_found);
   built.report = input.report;
   // These are triangles that quantising dropped, counted as when the input is streamed.
   built.report.repeated_index_triangles += input.mesh.triangle_count() - built.hlod.data().input_triangle_count;
@@ -93,7 +93,7 @@ Built build_in_memory(const Options& options, Progress& progress) {
 Built build_streamed(const Options& options, Progress& progress) {
   Built built;
   const hlod::TriangleSource source = stream_hlod_input(options.inputs, progress);
-  built.hlod = build_hlod(source, build_options(options, progress, built.nodes_found), built.report);
+  built.hlod = build_hlod(source, build_options(options, progress), built.report, built.nodes_found);
   return built;
 }
 

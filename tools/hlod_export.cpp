@@ -12,6 +12,7 @@
 #include "command_files.h"
 #include "global_options.h"
 #include "hlod.h"
+#include "hlod/tiles/tile_tree.h"
 #include "interrupt.h"
 #include "occlod/base.h"
 #include "occlod/node_store.h"
@@ -33,6 +34,7 @@ struct Options {
   std::string origin;
   std::string images;
   tiles::TilesetOptions tileset;
+  std::uint32_t tiles_per_file = tiles::usual_tiles_per_file;
   ShowProgress progress = ShowProgress::automatic;
   bool json = false;
 };
@@ -74,7 +76,7 @@ tiles::TilesetCounts write(const Options& options, const hlod::Hlod& hlod) {
   const std::string what = "writing " + options.folder;
   tileset.progress = [&](double done) { progress.show(what, done, hlod.data().input_triangle_count); };
   const WriteMonitor monitor([](std::uint64_t) { note_interrupts(); });
-  return write_tileset(options.folder, hlod, tileset);
+  return write_tileset(options.folder, hlod, tileset, options.tiles_per_file);
 }
 
 void run(const Options& options) {
@@ -136,7 +138,7 @@ void add_hlod_export(CLI::App& hlod) {
       .add_option("--origin", options->origin, "Where the input's origin is on Earth (WGS84): degrees, degrees, metres")
       ->transform(not_empty())
       ->type_name("LON,LAT,H");
-  add_number(command, "--tiles-per-file", tileset.tiles_per_file, WholeRange{1, max_tiles_per_file},
+  add_number(command, "--tiles-per-file", options->tiles_per_file, WholeRange{1, max_tiles_per_file},
              "The most tiles in a .json file; more go on in others")
       ->capture_default_str();
   add_file(command, "--images", options->images,

@@ -56,7 +56,7 @@ CameraPath still(const Camera& camera, const HlodSceneOptions& options) {
 std::vector<LoadedHlod> load_hlods_of(const SceneDescription& scene, const std::filesystem::path& folder,
                                       bool use_cache, const std::optional<hlod::CacheOptions>& paged) {
   Progress progress;
-  HlodLoadOptions options;
+  LoadOptions options;
   options.use_cache = use_cache;
   options.paged = paged;
   options.progress = [&](const std::string& what, double done) { progress.show(what, done); };

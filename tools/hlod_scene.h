@@ -33,7 +33,7 @@ struct HlodScene {
   CameraPath path;                       // one key if a camera was asked for
 };
 
-// Reads and builds HLODs. For `paged` see HlodLoadOptions. Shows progress and notes on standard error. Throws Error
+// Reads and builds HLODs. For `paged` see LoadOptions. Shows progress and notes on standard error. Throws Error
 // like load_hlods().
 [[nodiscard]] std::vector<LoadedHlod> load_hlods_of(const SceneDescription& scene, const std::filesystem::path& folder,
                                                     bool use_cache,

@@ -23,7 +23,7 @@ constexpr int max_fronts = 1'000'000;
 struct Options {
   std::string file;
   std::vector<std::string> inputs;
-  hlod::ValidateOptions validate;
+  std::size_t fronts = 64;
   bool leaves_only = false;
   bool json = false;
 };
@@ -36,7 +36,7 @@ bool is_of_input(const Options& options, const hlod::Hlod& hlod, Progress& progr
 void run(const Options& options) {
   const OhlodFile file = read_ohlod(options.file);
   std::vector<std::string> violations;
-  if (!options.leaves_only) violations = validate(file.hlod, options.validate);
+  if (!options.leaves_only) violations = validate(file.hlod, options.fronts);
   Progress progress(ShowProgress::never);
   if (!options.inputs.empty() && !is_of_input(options, file.hlod, progress))
     violations.push_back(fmt::format("level 0 is not {}", fmt::join(options.inputs, " and ")));
@@ -55,7 +55,7 @@ void add_hlod_validate(CLI::App& hlod) {
       .add_flag("--leaves-only", options->leaves_only,
                 "Check nothing else, by a hash of all triangles' positions, one piece of the input in memory at a time")
       ->needs(input);
-  add_number(command, "--fronts", options->validate.random_fronts, WholeRange{0, max_fronts},
+  add_number(command, "--fronts", options->fronts, WholeRange{0, max_fronts},
              "Number of random fronts to check for cracks")
       ->capture_default_str();
   command.callback([options, &command] {

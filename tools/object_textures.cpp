@@ -151,10 +151,10 @@ WalkTextures::WalkTextures(const WalkedFrame& frame, std::span<const std::filesy
                                          TextureChoice::automatic, [](const std::string& line) { print_note(line); }));
 }
 
-std::vector<ObjectTexture> WalkTextures::of(std::span<const DrawRange> ranges) const {
+std::vector<ObjectTexture> WalkTextures::of(std::span<const ObjectRange> ranges) const {
   std::vector<ObjectTexture> textures;
   bool has_any = false;
-  for (const DrawRange& range : ranges) {
+  for (const ObjectRange& range : ranges) {
     textures.push_back(objects_[range.object]->texture());
     has_any = has_any || !textures.back().materials.empty();
   }

@@ -110,7 +110,7 @@ class WalkTextures {
   WalkTextures(const WalkedFrame& frame, std::span<const std::filesystem::path> folders);
 
   // Returns one per range, valid as long as this object; none when no object has a texture or material.
-  [[nodiscard]] std::vector<ObjectTexture> of(std::span<const DrawRange> ranges) const;
+  [[nodiscard]] std::vector<ObjectTexture> of(std::span<const ObjectRange> ranges) const;
 
  private:
   std::vector<std::shared_ptr<const ObjectTextures>> objects_;

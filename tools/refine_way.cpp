@@ -10,9 +10,9 @@ namespace occlod::tool {
 namespace {
 
 std::unique_ptr<AutoRefiner> make_auto(const std::vector<LoadedObject>& objects, const AutoWayOptions& auto_options) {
-  AutoOptions result;
-  if (!auto_options.calibration.empty()) result.calibration = read_calibration(auto_options.calibration);
-  auto refiner = std::make_unique<AutoRefiner>(refine_objects(objects), std::move(result));
+  std::optional<Calibration> calibration;
+  if (!auto_options.calibration.empty()) calibration = read_calibration(auto_options.calibration);
+  auto refiner = std::make_unique<AutoRefiner>(refine_objects(objects), calibration);
   if (!auto_options.save_calibration.empty()) write_calibration(auto_options.save_calibration, refiner->calibration());
   return refiner;
 }

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "occlod/cell_walker.h"
+#include "cells/cell_loads.h"
 
 namespace occlod::tool {
 
@@ -19,7 +19,7 @@ struct DiskSpeed {
 [[nodiscard]] CellReader throttled(CellReader reader, const VlodFile& file, const DiskSpeed& disk,
                                    std::function<void(double seconds)> wait);
 
-// Returns the same wait for WalkOptions::before_geometry.
+// Returns the same wait for WalkTrial::before_geometry.
 [[nodiscard]] std::function<void(std::uint64_t bytes)> throttled_geometry(const DiskSpeed& disk,
                                                                           std::function<void(double seconds)> wait);
 

@@ -22,13 +22,13 @@ constexpr int max_cuts = 1'000'000;
 struct Options {
   std::string file;
   std::string input;
-  ValidateOptions validate;
+  int cuts = 16;
   bool json = false;
 };
 
 void run(const Options& options) {
   const OlodFile file = read_olod(options.file);
-  std::vector<std::string> violations = validate(file.hierarchy, options.validate);
+  std::vector<std::string> violations = validate(file.hierarchy, options.cuts);
   if (!options.input.empty() && !restores(file.hierarchy, read_mesh(options.input).mesh))
     violations.push_back(fmt::format("full refinement is not the mesh {}", options.input));
   report({options.file, std::move(violations), file.report.left_out, "mesh"}, options.json);
@@ -41,8 +41,7 @@ void add_validate(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   add_file(command, "FILE", options->file, "Hierarchy to check, an .olod file")->required();
   add_file(command, "--input", options->input, "Also check that all splits together give back this mesh");
-  add_number(command, "--cuts", options->validate.random_cuts, WholeRange{0, max_cuts},
-             "Number of random cuts to check for cracks")
+  add_number(command, "--cuts", options->cuts, WholeRange{0, max_cuts}, "Number of random cuts to check for cracks")
       ->capture_default_str();
   command.callback([options, &command] {
     read_global_options(command, {.json = &options->json});

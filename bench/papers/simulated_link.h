@@ -18,9 +18,9 @@ enum class TrialLoad { blocking, async, simulated };
 struct TrialCacheOptions {
   std::size_t budget_bytes = CacheOptions().budget_bytes;
   TrialLoad load = TrialLoad::async;
-  std::size_t frame_bytes = CacheOptions().frame_bytes;
-  double simulated_mb_per_s = 50.0;  // 10^6 bytes a second, > 0
-  int simulated_delay = 1;           // frames from the transfer of a mesh's bytes to its coming, in [0, 1000]
+  std::size_t frame_bytes = max_bytes_in_frame;  // of a simulated link; > 0
+  double simulated_mb_per_s = 50.0;              // 10^6 bytes a second, > 0
+  int simulated_delay = 1;  // frames from the transfer of a mesh's bytes to its coming, in [0, 1000]
 
   [[nodiscard]] CacheOptions cache() const;
 };
@@ -40,7 +40,7 @@ class SimulatedLink final : public MeshLink {
   [[nodiscard]] std::vector<MeshLoad> clear() override;
 
  private:
-  double frame_bytes_;
+  double bytes_in_frame_;
   std::size_t delay_;
   double transferred_ = 0.0;  // bytes, of the load at the front of line_
   std::deque<MeshLoad> line_;

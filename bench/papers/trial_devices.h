@@ -23,7 +23,7 @@ namespace occlod::hlod {
 class VirtualDevice final : public RenderDevice {
  public:
   // Throws Error for a cost that is negative or not finite.
-  explicit VirtualDevice(DeviceCosts costs, const SoftwareDeviceOptions& options = {});
+  explicit VirtualDevice(DeviceCosts costs);
   ~VirtualDevice() override;
 
   // "virtual:" and the name of the costs.

@@ -75,8 +75,7 @@ constexpr double box_triangles = 12.0;
 
 class VirtualDevice::Impl {
  public:
-  Impl(DeviceCosts costs, const SoftwareDeviceOptions& options)
-      : costs_(std::move(costs)), name_("virtual:" + costs_.name), software_(options) {
+  explicit Impl(DeviceCosts costs) : costs_(std::move(costs)), name_("virtual:" + costs_.name) {
     check_device_costs("virtual device", costs_);
   }
 
@@ -164,8 +163,7 @@ class VirtualDevice::Impl {
   std::vector<Query> queries_;  // of this frame
 };
 
-VirtualDevice::VirtualDevice(DeviceCosts costs, const SoftwareDeviceOptions& options)
-    : impl_(std::make_unique<Impl>(std::move(costs), options)) {}
+VirtualDevice::VirtualDevice(DeviceCosts costs) : impl_(std::make_unique<Impl>(std::move(costs))) {}
 VirtualDevice::~VirtualDevice() = default;
 
 std::string_view VirtualDevice::name() const noexcept { return impl_->name(); }

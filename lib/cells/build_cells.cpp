@@ -231,14 +231,15 @@ namespace {
 // Reports the progress of all threads together.
 class SharedProgress {
  public:
-  SharedProgress(const CellBuildRun& run, std::size_t roots) : run_(run), roots_(static_cast<double>(roots)) {}
+  SharedProgress(const std::function<bool(double)>& progress, std::size_t roots)
+      : progress_(progress), roots_(static_cast<double>(roots)) {}
 
   // Reports that this share of a root cell is done. Throws Error when the build is cancelled.
   void advance(double share) {
     if (failure_set_) throw Error({"cells", "", "the build has ended", ""});
     const double done = done_.fetch_add(share / roots_) + share / roots_;
-    if (!run_.progress || std::this_thread::get_id() != caller_) return;
-    if (!run_.progress(std::min(done, 1.0))) throw Error({"cells", "", "the build was cancelled", ""});
+    if (!progress_ || std::this_thread::get_id() != caller_) return;
+    if (!progress_(std::min(done, 1.0))) throw Error({"cells", "", "the build was cancelled", ""});
   }
   // Stops the work of all threads; the first failure is kept.
   void fail(std::exception_ptr failure) {
@@ -249,7 +250,7 @@ class SharedProgress {
   [[nodiscard]] std::exception_ptr failure() const { return failure_; }
 
  private:
-  const CellBuildRun& run_;
+  const std::function<bool(double)>& progress_;
   double roots_;
   std::thread::id caller_ = std::this_thread::get_id();
   std::atomic<double> done_ = 0.0;
@@ -272,12 +273,13 @@ class CellBuild::Impl {
  public:
   Impl(std::span<const RefineObject> objects, const CellTreeOptions& options)
       : objects_(objects.begin(), objects.end()),
-        scene_{options, vlod::describe(checked(objects, options))},
+        scene_{.options = options, .objects = vlod::describe(checked(objects, options))},
         ids_(scene_.objects, "cells"),
         key_(vlod::store(scene_).key),
         roots_(root_cells(options)) {}
 
-  [[nodiscard]] std::vector<PackedTree> divide(const CellRange& range, const CellBuildRun& run);
+  [[nodiscard]] std::vector<PackedTree> divide(const CellRange& range, int threads,
+                                               const std::function<bool(double)>& progress);
 
   [[nodiscard]] const vlod::Scene& scene() const noexcept { return scene_; }
   [[nodiscard]] const vlod::GlobalIds& ids() const noexcept { return ids_; }
@@ -295,17 +297,18 @@ class CellBuild::Impl {
   std::atomic<std::size_t> cuts_ = 0;
 };
 
-std::vector<PackedTree> CellBuild::Impl::divide(const CellRange& range, const CellBuildRun& run) {
-  OptionChecker("cell options").in_range("threads", run.threads, 0, 1024);
-  if (run.progress && !run.progress(0.0)) throw Error({"cells", "", "the build was cancelled", ""});
+std::vector<PackedTree> CellBuild::Impl::divide(const CellRange& range, int threads,
+                                                const std::function<bool(double)>& progress) {
+  OptionChecker("cell options").in_range("threads", threads, 0, 1024);
+  if (progress && !progress(0.0)) throw Error({"cells", "", "the build was cancelled", ""});
   const CellTreeOptions& options = scene_.options;
   const bool hides = options.cell.occlusion == CellOcclusion::hull;
   if (hides && !occluders_) occluders_.emplace(objects_, options.occluder_motion.value_or(options.smallest_cell / 4.0));
   std::vector<PackedTree> trees(range.count);
-  SharedProgress progress(run, range.count);
+  SharedProgress shared(progress, range.count);
   const auto divide = [&](CellDivider& divider, std::size_t i) {
     const std::size_t before = divider.cuts();
-    CellSubtree tree = divider.divide(roots_[range.first + i].box, [&](double share) { progress.advance(share); });
+    CellSubtree tree = divider.divide(roots_[range.first + i].box, [&](double share) { shared.advance(share); });
     set_levels(tree);
     trees[i] = pack(std::move(tree));
     cuts_ += divider.cuts() - before;
@@ -314,16 +317,16 @@ std::vector<PackedTree> CellBuild::Impl::divide(const CellRange& range, const Ce
     try {
       divide(divider, i);
     } catch (...) {
-      progress.fail(std::current_exception());
+      shared.fail(std::current_exception());
       throw;
     }
   };
   try {
     for_each_task(
-        range.count, thread_count(run.threads),
+        range.count, thread_count(threads),
         [&] { return CellDivider(objects_, hides ? &*occluders_ : nullptr, options, ids_); }, divide_or_fail, [] {});
   } catch (...) {
-    if (const std::exception_ptr first = progress.failure()) std::rethrow_exception(first);
+    if (const std::exception_ptr first = shared.failure()) std::rethrow_exception(first);
     throw;
   }
   return trees;
@@ -352,16 +355,17 @@ bool CellBuild::has_part(const std::filesystem::path& part, const CellRange& ran
   return false;  // missing or damaged: it will be rebuilt
 }
 
-void CellBuild::write_part(const std::filesystem::path& part, const CellRange& range, const CellBuildRun& run) {
+void CellBuild::write_part(const std::filesystem::path& part, const CellRange& range, int threads,
+                           const std::function<bool(double)>& progress) {
   if (range.count == 0 || range.count > root_cell_count() || range.first > root_cell_count() - range.count)
     throw Error({"cells", "",
                  fmt::format("there are {} root cells, not {} from {} on", root_cell_count(), range.count, range.first),
                  "ask for a range of them"});
-  vlod::write_part(part, impl_->scene(), range, impl_->divide(range, run));
+  vlod::write_part(part, impl_->scene(), range, impl_->divide(range, threads, progress));
 }
 
-void CellBuild::write(const std::filesystem::path& path, const CellBuildRun& run) {
-  std::vector<PackedTree> trees = impl_->divide({0, root_cell_count()}, run);
+void CellBuild::write(const std::filesystem::path& path, int threads, const std::function<bool(double)>& progress) {
+  std::vector<PackedTree> trees = impl_->divide({0, root_cell_count()}, threads, progress);
   CellSubtree tree =
       join_roots(impl_->roots(), [&](std::size_t i) { return unpack(std::exchange(trees[i], {}), impl_->ids()); });
   finish(tree);

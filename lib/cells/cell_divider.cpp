@@ -233,7 +233,7 @@ class Division {
 
  private:
   [[nodiscard]] std::vector<CellContent> parts_worth_having(const CellNode& cell, std::uint32_t level) const {
-    if (cell.drawn_triangles <= options_.max_triangles || level >= options_.levels) return {};
+    if (cell.drawn_triangles <= options_.max_triangles || level >= vlod::max_cell_levels) return {};
     const std::vector<CellBox> boxes = parts_of(cell.box, options_.smallest_cell);
     if (boxes.size() == 1) return {};
     std::vector<CellContent> parts;

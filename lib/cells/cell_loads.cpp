@@ -54,7 +54,7 @@ CellLoad CellLoads::load(CellId cell, CellMeshMaker& maker) const {
       at = node;
       SharedAdditions found = find(node);
       if (!found) {
-        found = std::make_shared<const CellAdditions>(reader_(node, additions));
+        found = std::make_shared<const CellAdditions>(reader_ ? reader_(node, additions) : file_.read(node, additions));
         result.bytes_read += file_.tree().node(node).payload_bytes;
         if (!file_.tree().is_leaf(node)) result.additions.emplace_back(node, found);
       }

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <map>
 #include <memory>
@@ -20,6 +21,17 @@
 
 namespace occlod {
 
+// What a node adds: as VlodFile::read(), which it calls in the end. Any number of threads may call it.
+using CellReader = std::function<CellAdditions(CellId cell, std::span<const CellAdditions* const> ancestors)>;
+
+// How a walk may be varied for simulated disks and tests, by CellWalker::set_trial().
+struct WalkTrial {
+  CellReader reader = {};  // instead of VlodFile::read(), if there is one
+  // Called before geometry of a packed file is read, with its bytes, on the thread that reads.
+  std::function<void(std::uint64_t bytes)> before_geometry = {};
+  bool prefetch = true;  // cells are loaded before the eye is in them
+};
+
 using SharedAdditions = std::shared_ptr<const CellAdditions>;
 
 // Describes a load that has ended.
@@ -35,7 +47,10 @@ struct CellLoad {
 // Thread-safe. Locks are held only for look-ups, never while anything is read or prepared.
 class CellLoads {
  public:
-  CellLoads(const VlodFile& file, CellReader reader) : file_(file), reader_(std::move(reader)) {}
+  explicit CellLoads(const VlodFile& file) : file_(file) {}
+
+  // Before anything is wanted: reads by this instead of the file.
+  void set_reader(CellReader reader) { reader_ = std::move(reader); }
 
   // For loaders: returns the most urgent cell that nobody loads yet. take_or_wait() waits for one, and returns nothing
   // when no more will come.
@@ -59,7 +74,7 @@ class CellLoads {
   [[nodiscard]] SharedAdditions find(CellId cell) const;
 
   const VlodFile& file_;
-  CellReader reader_;
+  CellReader reader_;  // empty: the file's
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool stopped_ = false;

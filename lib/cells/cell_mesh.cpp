@@ -327,7 +327,7 @@ std::vector<CellObjectMesh> read_cell(const VlodFile& file, CellId cell) {
   for (const CellId n : path) above.push_back(&additions.emplace_back(file.read(n, above)));
 
   constexpr std::size_t most = std::numeric_limits<std::size_t>::max();
-  vlod::GeometryCache cache(*file.geometry(), {});
+  vlod::GeometryCache cache(*file.geometry());
   cache.limit(most);
   vlod::PackedFaces faces(cache, most);
   std::vector<CellObjectMesh> meshes(file.object_count());

@@ -26,11 +26,6 @@ constexpr double retry_seconds = 1.0;
 // Sets how far ahead cells are loaded: several times the recent duration of a load, within limits in seconds.
 constexpr double shortest_horizon = 0.5, longest_horizon = 2.0, loads_ahead = 4.0;
 
-CellReader reader_of(const VlodFile& file, const WalkOptions& options) {
-  if (options.reader) return options.reader;
-  return [&file](CellId cell, std::span<const CellAdditions* const> ancestors) { return file.read(cell, ancestors); };
-}
-
 bool is_outside(const Box& box, const ObjectView& view) {
   const glm::vec3 center = 0.5F * (box.min + box.max), half = 0.5F * (box.max - box.min);
   return std::ranges::any_of(view.planes(), [&](const glm::vec4& plane) {
@@ -51,7 +46,7 @@ std::vector<RefineObject> placements(const VlodFile& file) {
 }
 
 void ranges_in_view(const WalkedFrame& frame, std::span<const RefineObject> objects, const View& view,
-                    std::vector<DrawRange>& out) {
+                    std::vector<ObjectRange>& out) {
   out.clear();
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
     const ObjectView object(view, objects[i].object_to_world);
@@ -72,7 +67,7 @@ class CellWalker::Work {
       : file_(std::move(file)),
         objects_(objects.begin(), objects.end()),
         options_(options),
-        loads_(*file_, reader_of(*file_, options)),
+        loads_(*file_),
         residents_(*file_, base_triangles(*file_, objects)),
         motion_(file_->options().root_cell),
         forecast_(file_->tree()) {
@@ -105,6 +100,12 @@ class CellWalker::Work {
     return frame_;
   }
 
+  void set_trial(WalkTrial trial) {
+    prefetch_ = trial.prefetch;
+    loads_.set_reader(std::move(trial.reader));
+    if (geometry_) geometry_->set_before_read(std::move(trial.before_geometry));
+  }
+
   [[nodiscard]] CellLoads& loads() { return loads_; }
   // Returns a mesh maker for one loader.
   [[nodiscard]] CellMeshMaker maker() { return maker(options_.memory); }
@@ -128,7 +129,7 @@ class CellWalker::Work {
     if (!file_->is_packed() || file_->has_objects())
       throw Error({"cell walker", "", "has no objects, and the file is not packed or was opened with objects",
                    "give the objects, or a packed file that was opened without"});
-    geometry_.emplace(*file_->geometry(), options_.before_geometry);
+    geometry_.emplace(*file_->geometry());
     fixed_bytes_ = file_->geometry()->bytes();
   }
 
@@ -157,13 +158,10 @@ class CellWalker::Work {
     while (const auto cell = loads_.take_or_wait()) loads_.finish(loads_.load(*cell, maker));
   }
 
-  void note(const std::string& line) const {
-    if (options_.note) options_.note(line);
-  }
-
   void take_loads() {
     loads_.collect(ended_);
     frame_.bytes_read = 0;
+    frame_.notes.clear();
     frame_.loads = ended_.size();
     for (CellLoad& load : ended_) {
       frame_.bytes_read += load.bytes_read;
@@ -173,8 +171,8 @@ class CellWalker::Work {
       } else {
         Failure& failure = failures_[load.failed];
         failure = {failure.tries + 1, clock_ + retry_seconds};
-        note(fmt::format("{}; {}", load.problem,
-                         failure.tries < max_tries ? "trying again in a second" : "going on without it"));
+        frame_.notes.push_back(fmt::format(
+            "{}; {}", load.problem, failure.tries < max_tries ? "trying again in a second" : "going on without it"));
       }
       if (const auto since = wanted_since_.find(load.cell); since != wanted_since_.end()) {
         waited_ = std::max(clock_ - since->second, 0.9 * waited_);
@@ -218,8 +216,9 @@ class CellWalker::Work {
       if (needed > options_.memory) {
         forever = true;
         if (*at == frame_.cell && told_too_large_.insert(*at).second)
-          note(fmt::format("cell {} needs {} bytes in memory, which may hold {}: a coarser one is drawn", *at, needed,
-                           options_.memory));
+          frame_.notes.push_back(
+              fmt::format("cell {} needs {} bytes in memory, which may hold {}: a coarser one is drawn", *at, needed,
+                          options_.memory));
       } else if (residents_.find(*at) || can_load(*at, &forever)) {
         target_ = *at;
         break;
@@ -259,7 +258,7 @@ class CellWalker::Work {
     left_ = options_.memory - std::min(options_.memory, residents_.bytes_of(0) + other_bytes());
     for (const CellId node : path_)
       if (node == target_ || (residents_.find(node) && kept_.size() < 2)) consider(node);
-    if (options_.prefetch) {
+    if (prefetch_) {
       const double horizon = std::clamp(loads_ahead * waited_, shortest_horizon, longest_horizon);
       for (const ExpectedCell& cell : forecast_.expect(frame_.cell, eye, motion_.velocity(), horizon, max_expected))
         if (can_load(cell.leaf) && !consider(cell.leaf)) break;
@@ -338,6 +337,7 @@ class CellWalker::Work {
   std::shared_ptr<const VlodFile> file_;
   std::vector<RefineObject> objects_;
   WalkOptions options_;
+  bool prefetch_ = true;
   CellLoads loads_;
   std::optional<vlod::GeometryCache> geometry_;  // of a packed file
   std::size_t fixed_bytes_ = 0;                  // geometry that is always in memory; not part of options_.memory
@@ -369,6 +369,7 @@ CellWalker::CellWalker(std::shared_ptr<const VlodFile> file, const WalkOptions& 
 CellWalker::~CellWalker() = default;
 
 const WalkedFrame& CellWalker::step(const glm::dvec3& eye, double seconds) { return work_->step(eye, seconds); }
+void CellWalker::set_trial(WalkTrial trial) { work_->set_trial(std::move(trial)); }
 
 class CellLoader::Work {
  public:

@@ -165,7 +165,6 @@ using namespace vlod;
 
 namespace {
 
-constexpr int max_level = 19;
 // Limits the number of splits in a frame. A frame ends where splits begin that another node adds first, unless the
 // frame would be small.
 constexpr std::uint32_t min_in_frame = 128, max_in_frame = 512;
@@ -173,11 +172,13 @@ constexpr double read_share = 0.4;  // estimated share of the time
 
 class Packing {
  public:
-  Packing(const VlodFile& file, std::span<const RefineObject> objects, const PackOptions& options)
-      : file_(file), options_(options), mesh_of_(meshes_of(file.objects())), ids_(file.objects(), "the objects") {
-    if (options.level < 0 || options.level > max_level)
-      throw Error(
-          {"pack options", "level", "is out of its range", fmt::format("give a number from 0 to {}", max_level)});
+  Packing(const VlodFile& file, std::span<const RefineObject> objects, const std::function<bool(double)>& progress,
+          int level)
+      : file_(file),
+        progress_(progress),
+        level_(level),
+        mesh_of_(meshes_of(file.objects())),
+        ids_(file.objects(), "the objects") {
     if (!file.has_objects() || objects.size() != file.object_count())
       throw Error({"pack_cells()", "", "has not the objects that the file was opened with", "open the file with them"});
     for (std::uint32_t i = 0; i < objects.size(); ++i) {
@@ -209,14 +210,15 @@ class Packing {
   }
 
   void tell(double share) const {
-    if (options_.progress && !options_.progress(share)) throw Error({"packing", "", "was cancelled", "start it again"});
+    if (progress_ && !progress_(share)) throw Error({"packing", "", "was cancelled", "start it again"});
   }
   [[nodiscard]] std::uint32_t mesh_with(std::uint32_t split) const {
     return static_cast<std::uint32_t>(std::ranges::upper_bound(first_split_, split) - first_split_.begin() - 1);
   }
 
   const VlodFile& file_;
-  const PackOptions& options_;
+  const std::function<bool(double)>& progress_;
+  int level_;
   std::vector<std::uint32_t> mesh_of_;  // per object
   GlobalIds ids_;
   std::vector<const Hierarchy*> hierarchies_;     // per mesh
@@ -357,7 +359,7 @@ void Packing::add_frame(std::span<const std::uint32_t> splits) {
   GeometryFrame frame;
   for (const PieceRow& piece : pieces)
     for (std::uint32_t i = 0; i < piece.count; ++i) stars_[piece.mesh].append(piece.first + i, frame);
-  const EncodedFrame encoded = encode_frame(frame, pieces, meshes_, options_.level);
+  const EncodedFrame encoded = encode_frame(frame, pieces, meshes_, level_);
   if (encoded.raw_bytes > max_frame_bytes)
     throw Error({"cells", "", "have splits with millions of faces", "repair the mesh with 'occlod repair'"});
   frames_.push_back({geometry_.size(), sections::checksum_of(encoded.bytes),
@@ -402,7 +404,7 @@ void Packing::write(const std::filesystem::path& path) const {
   using namespace sections;
   const Scene scene{file_.options(), {file_.objects().begin(), file_.objects().end()}};
   const StoredOptions options = store(scene);
-  const Codec codec = options_.level == 0 ? Codec::stored : Codec::zstd;
+  const Codec codec = level_ == 0 ? Codec::stored : Codec::zstd;
   SectionWriter writer;
   MaterialSections materials;
   writer.add(options_name, std::span<const StoredOptions>(&options, 1));
@@ -434,11 +436,16 @@ void Packing::write(const std::filesystem::path& path) const {
 
 }  // namespace
 
-void pack_cells(const VlodFile& file, std::span<const RefineObject> objects, const std::filesystem::path& path,
-                const PackOptions& options) {
-  const Packing packing(file, objects, options);
+void vlod::pack_cells(const VlodFile& file, std::span<const RefineObject> objects, const std::filesystem::path& path,
+                      const std::function<bool(double)>& progress, int level) {
+  const Packing packing(file, objects, progress, level);
   packing.write(path);
-  if (options.progress) static_cast<void>(options.progress(1.0));
+  if (progress) static_cast<void>(progress(1.0));
+}
+
+void pack_cells(const VlodFile& file, std::span<const RefineObject> objects, const std::filesystem::path& path,
+                const std::function<bool(double)>& progress) {
+  vlod::pack_cells(file, objects, path, progress, pack_level);
 }
 
 }  // namespace occlod

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -108,6 +109,13 @@ struct EncodedFrame {
   std::vector<std::byte> bytes;
   std::uint32_t raw_bytes = 0;  // equal to the number of bytes: stored uncompressed
 };
+// The level of zstd at which pack_cells() compresses: the highest, 19, saves 4 % more
+// (docs/benchmarks/packed_cells.md).
+inline constexpr int pack_level = 12;
+// Packs at another level, in [0, 19]; 0 does not compress the geometry.
+void pack_cells(const VlodFile& file, std::span<const RefineObject> objects, const std::filesystem::path& path,
+                const std::function<bool(double)>& progress, int level);
+
 // Encodes a frame. `level` is the level of zstd, in [1, 19]; 0: not compressed. The bytes are the same on every run.
 [[nodiscard]] EncodedFrame encode_frame(const GeometryFrame& frame, std::span<const PieceRow> pieces,
                                         std::span<const MeshRow> meshes, int level);
@@ -250,10 +258,12 @@ class GeometryCache {
  public:
   using Frames = std::vector<std::shared_ptr<const GeometryFrame>>;
 
-  // Keeps nothing until limit() sets how much. `before_read` is called with the number of bytes about to be read, on
-  // the thread that reads; it may be empty. `geometry` must outlive this object.
-  GeometryCache(const PackedGeometry& geometry, std::function<void(std::uint64_t bytes)> before_read)
-      : geometry_(geometry), before_read_(std::move(before_read)) {}
+  // Keeps nothing until limit() sets how much. `geometry` must outlive this object.
+  explicit GeometryCache(const PackedGeometry& geometry) : geometry_(geometry) {}
+
+  // Before another thread uses the cache: is called with the number of bytes about to be read, on the thread that
+  // reads; may be empty.
+  void set_before_read(std::function<void(std::uint64_t bytes)> before_read) { before_read_ = std::move(before_read); }
 
   [[nodiscard]] const PackedGeometry& geometry() const noexcept { return geometry_; }
   // Returns frames in the order given, which must be ascending. Reads the missing ones, neighbours at once, and adds

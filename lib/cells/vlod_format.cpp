@@ -98,7 +98,7 @@ StoredOptions store(const Scene& scene) {
   StoredOptions stored;
   stored.epoch = epoch;
   stored.division = static_cast<std::uint32_t>(options.division);
-  stored.levels = options.levels;
+  stored.levels = scene.levels;
   stored.focal_length_px = eyes.focal_length_px;
   stored.cos_corner_angle = eyes.cos_corner_angle;
   stored.near = eyes.near;
@@ -129,7 +129,6 @@ CellTreeOptions restore(const StoredOptions& stored, std::span<const CellBox> re
   options.regions.assign(regions.begin(), regions.end());
   options.root_cell = stored.root_cell;
   options.smallest_cell = stored.smallest_cell;
-  options.levels = stored.levels;
   options.max_triangles = stored.max_triangles;
   options.division = static_cast<CellDivision>(stored.division);
   options.occluder_motion = stored.occluder_motion;
@@ -141,7 +140,7 @@ Scene read_options(sections::SectionReader& reader, const std::string& subject, 
   if (stored.epoch != epoch)
     reader.refuse("section OPTS",
                   fmt::format("cells were made in way {}, this program makes them in way {}", stored.epoch, epoch));
-  Scene scene{restore(stored, reader.read<CellBox>(regions_name)), {}};
+  Scene scene{restore(stored, reader.read<CellBox>(regions_name)), {}, stored.levels};
   check(scene.options, subject.c_str());
   const std::span<const StoredObject> objects = reader.read<StoredObject>(objects_name);
   scene.objects.assign(objects.begin(), objects.end());
@@ -159,7 +158,6 @@ void check(const CellTreeOptions& options, const char* subject) {
     throw Error({subject, "occlusion", "is unknown", "use a newer program"});
   checker.positive("root_cell", options.root_cell);
   checker.positive("smallest_cell", options.smallest_cell);
-  checker.in_range("levels", options.levels, 0, 32);
   if (options.occluder_motion) checker.at_least("occluder_motion", *options.occluder_motion, 0.0);
   if (options.division != CellDivision::halving && options.division != CellDivision::gain)
     throw Error({subject, "division", "is unknown", "use a newer program"});

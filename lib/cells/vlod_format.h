@@ -67,10 +67,14 @@ inline constexpr std::uint32_t max_ids_per_byte = 8;
 // Maximum number of ids per byte in packed files, where ids form few runs. No node has more ids than the geometry.
 inline constexpr std::uint32_t max_packed_ids_per_byte = 64;
 
+// How often root cells are divided at most. Files that were built with another limit are read, too.
+inline constexpr std::uint32_t max_cell_levels = 10;
+
 // Holds everything that determines the contents of a file.
 struct Scene {
   CellTreeOptions options;
   std::vector<StoredObject> objects;
+  std::uint32_t levels = max_cell_levels;  // largest number of levels of cells below the root cells
 };
 
 // Describes the objects. Reads all of their hierarchies, which must not be null.

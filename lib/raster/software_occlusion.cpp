@@ -1,3 +1,5 @@
+#include "raster/software_occlusion.h"
+
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -94,7 +96,7 @@ struct Pending {
 
 class SoftwareOcclusion final : public Visibility {
  public:
-  explicit SoftwareOcclusion(const SoftwareOcclusionOptions& options) : options_(options) {}
+  explicit SoftwareOcclusion(bool counts_pixels) : counts_pixels_(counts_pixels) {}
 
   [[nodiscard]] std::string_view name() const noexcept override { return "software"; }
 
@@ -150,7 +152,7 @@ class SoftwareOcclusion final : public Visibility {
 
   void find_visible_points(std::uint32_t object, std::span<const glm::vec3> points,
                            std::span<std::uint8_t> visible) override {
-    if (!occluder_drawn_ || options_.count_pixels) {
+    if (!occluder_drawn_ || counts_pixels_) {
       Visibility::find_visible_points(object, points, visible);
       return;
     }
@@ -245,7 +247,7 @@ class SoftwareOcclusion final : public Visibility {
   }
 
   [[nodiscard]] std::uint32_t visible_pixels(const VisibilityQuery& query) const {
-    if (occluder_drawn_ && !options_.count_pixels && one_point_shows(query)) return 1;
+    if (occluder_drawn_ && !counts_pixels_ && one_point_shows(query)) return 1;
     std::optional<ScreenBounds> bounds = screen_bounds(*view_, objects_[query.object], query);
     if (bounds) bounds->largest_nearness = std::max(nearness_scale_ * bounds->largest_nearness, min_nearness_);
     return visible_pixels(query, bounds);
@@ -253,18 +255,18 @@ class SoftwareOcclusion final : public Visibility {
 
   [[nodiscard]] std::uint32_t visible_pixels(const VisibilityQuery& query,
                                              const std::optional<ScreenBounds>& bounds) const {
-    if (!bounds) return options_.count_pixels ? area({0, 0, view_->width(), view_->height()}) : 1;
-    if (!occluder_drawn_) return options_.count_pixels ? area(bounds->rect) : (area(bounds->rect) > 0 ? 1 : 0);
+    if (!bounds) return counts_pixels_ ? area({0, 0, view_->width(), view_->height()}) : 1;
+    if (!occluder_drawn_) return counts_pixels_ ? area(bounds->rect) : (area(bounds->rect) > 0 ? 1 : 0);
     const float nearest = bounds->largest_nearness;
     const DepthPyramid::Verdict verdict = pyramid_.quick_verdict(bounds->rect, nearest);
     if (verdict == DepthPyramid::Verdict::hidden) return 0;
     // This assumes that the middle of the rectangle is inside the outline; the error is towards visible.
     const std::uint32_t at_least = verdict == DepthPyramid::Verdict::visible ? 1 : 0;
-    if (at_least != 0 && !options_.count_pixels) return 1;
+    if (at_least != 0 && !counts_pixels_) return 1;
     const Diagonals diagonals = std::holds_alternative<Box>(query.shape)
                                     ? Diagonals{}
                                     : screen_diagonals(*view_, objects_[query.object], query);
-    if (options_.count_pixels) return std::max(at_least, pyramid_.count_visible(bounds->rect, nearest, diagonals));
+    if (counts_pixels_) return std::max(at_least, pyramid_.count_visible(bounds->rect, nearest, diagonals));
     return pyramid_.any_visible(bounds->rect, nearest, diagonals) ? 1 : 0;
   }
 
@@ -294,7 +296,7 @@ class SoftwareOcclusion final : public Visibility {
     return static_cast<std::uint32_t>(rect.x1 - rect.x0) * static_cast<std::uint32_t>(rect.y1 - rect.y0);
   }
 
-  SoftwareOcclusionOptions options_;
+  bool counts_pixels_;
   std::optional<View> view_;
   std::vector<ObjectView> objects_;
   std::vector<BoundsView> bounds_views_;
@@ -322,7 +324,7 @@ void SoftwareOcclusion::Batches::test(Pending<Shape>& batch) {
     else
       find_screen_bounds(view, shapes, bounds_);
     for (float& nearness : bounds_.largest_nearness) nearness = std::max(nearness, occlusion_.min_nearness_);
-    if (occlusion_.options_.count_pixels || !occlusion_.occluder_drawn_) {
+    if (occlusion_.counts_pixels_ || !occlusion_.occluder_drawn_) {
       for (std::size_t i = 0; i < batch.size; ++i)
         answers_[batch.answer[i]] = occlusion_.visible_pixels(batch.query(i), bounds(i));
     } else {
@@ -356,8 +358,9 @@ void SoftwareOcclusion::Batches::test_any(const Pending<Shape>& batch) {
 
 }  // namespace
 
-std::unique_ptr<Visibility> make_software_occlusion(const SoftwareOcclusionOptions& options) {
-  return std::make_unique<SoftwareOcclusion>(options);
+std::unique_ptr<Visibility> make_software_occlusion() { return make_software_occlusion(false); }
+std::unique_ptr<Visibility> make_software_occlusion(bool count_pixels) {
+  return std::make_unique<SoftwareOcclusion>(count_pixels);
 }
 
 }  // namespace occlod

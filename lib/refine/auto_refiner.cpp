@@ -146,12 +146,13 @@ std::vector<std::unique_ptr<Visibility>> or_software(std::vector<std::unique_ptr
 // Looks are rare, so a scene without occlusion pays hardly anything for them.
 class AutoRefiner::Impl {
  public:
-  Impl(std::span<const RefineObject> objects, AutoOptions options)
+  Impl(std::span<const RefineObject> objects, const std::optional<Calibration>& calibration,
+       std::vector<std::unique_ptr<Visibility>> backends)
       : objects_(objects.begin(), objects.end()),
         refiner_(objects),
         probe_(objects),
-        backends_(or_software(std::move(options.backends))),
-        calibration_(matched(options.calibration ? *options.calibration : measure_calibration(backends_), backends_)),
+        backends_(or_software(std::move(backends))),
+        calibration_(matched(calibration ? *calibration : measure_calibration(backends_), backends_)),
         extent_(extent_of(objects)),
         far_share_(far_share(splits_of(objects))),
         effects_(objects.size()),
@@ -472,8 +473,9 @@ class AutoRefiner::Impl {
   EffectReport report_;
 };
 
-AutoRefiner::AutoRefiner(std::span<const RefineObject> objects, AutoOptions options)
-    : impl_(std::make_unique<Impl>(objects, std::move(options))) {}
+AutoRefiner::AutoRefiner(std::span<const RefineObject> objects, const std::optional<Calibration>& calibration,
+                         std::vector<std::unique_ptr<Visibility>> backends)
+    : impl_(std::make_unique<Impl>(objects, calibration, std::move(backends))) {}
 AutoRefiner::~AutoRefiner() = default;
 AutoRefiner::AutoRefiner(AutoRefiner&&) noexcept = default;
 AutoRefiner& AutoRefiner::operator=(AutoRefiner&&) noexcept = default;

@@ -182,7 +182,7 @@ void BuildCache::store(const std::string& key, const hlod::Hlod& hlod, const Mes
 
 using SharedHlod = std::shared_ptr<const hlod::Hlod>;
 
-std::string describe(const hlod::BuildOptions& options) {
+std::string describe(const hlod::HlodBuildOptions& options) {
   std::string text = fmt::format("hlod node_triangles={} nested={} free={} splits={}", options.node_triangles,
                                  options.grouping == hlod::Grouping::nested, options.borders == hlod::Borders::free,
                                  options.within == hlod::Within::splits);
@@ -190,19 +190,19 @@ std::string describe(const hlod::BuildOptions& options) {
   return text;
 }
 
-SharedHlod build(const SceneDescription& scene, const std::filesystem::path& folder, const HlodLoadOptions& options) {
+SharedHlod build(const SceneDescription& scene, const std::filesystem::path& folder, const LoadOptions& options) {
   std::optional<BuildCache> cache;
   std::string key;
   if (options.use_cache) {
     cache.emplace(user_cache_folder(), options.note);
-    key = cache_key_of_scene(scene, folder, describe(options.build));
+    key = cache_key_of_scene(scene, folder, describe(options.build_hlod));
     if (auto found = cache->find_hlod(key)) return std::make_shared<const hlod::Hlod>(*std::move(found));
   }
   const CleanMesh input = flatten_scene(scene, folder, options.progress);
-  hlod::BuildOptions build = options.build;
+  hlod::HlodBuildOptions build = options.build_hlod;
   build.progress = [&](double done) {
     if (options.progress) options.progress("building " + scene.name, done);
-    return !options.build.progress || options.build.progress(done);
+    return !options.build_hlod.progress || options.build_hlod.progress(done);
   };
   auto hlod = std::make_shared<const hlod::Hlod>(build_hlod(input.mesh, build));
   if (cache) cache->store(key, *hlod, input.report);
@@ -235,7 +235,7 @@ std::optional<hlod::CacheOptions> share_of(std::optional<hlod::CacheOptions> pag
 }  // namespace
 
 std::vector<LoadedHlod> load_hlods(const SceneDescription& scene, const std::filesystem::path& folder,
-                                   const HlodLoadOptions& options) {
+                                   const LoadOptions& options) {
   SceneDescription meshes = scene;  // without .ohlod files
   meshes.objects.clear();
   std::vector<LoadedHlod> hlods;

@@ -66,10 +66,10 @@ constexpr std::size_t max_violations = 20;
 
 class Validator {
  public:
-  Validator(const Hierarchy& hierarchy, const ValidateOptions& options)
+  Validator(const Hierarchy& hierarchy, int random_cuts)
       : h_(hierarchy),
         d_(hierarchy.data()),
-        options_(options),
+        random_cuts_(random_cuts),
         splits_(static_cast<SplitId>(hierarchy.split_count())) {}
 
   std::vector<std::string> run() {
@@ -306,12 +306,12 @@ class Validator {
   void check_random_cuts() {
     const std::vector<Triangle> input = triangles_of(h_, full_cut(h_));
     std::mt19937_64 random(20070308);  // any fixed seed
-    for (int i = 0; i <= options_.random_cuts && splits_ > 0; ++i) {
+    for (int i = 0; i <= random_cuts_ && splits_ > 0; ++i) {
       // The cuts range from no split at all to nearly all of them, in random places.
       std::vector<bool> applied(splits_, false);
       const std::uint64_t wanted = i == 0 ? 0
                                           : 1 + random() % ((std::uint64_t{splits_} * static_cast<std::uint64_t>(i)) /
-                                                                static_cast<std::uint64_t>(options_.random_cuts) / 4 +
+                                                                static_cast<std::uint64_t>(random_cuts_) / 4 +
                                                             1);
       for (std::uint64_t k = 0; k < wanted; ++k) apply_closed(static_cast<SplitId>(random() % splits_), applied);
       check_cut(applied, input);
@@ -350,7 +350,7 @@ class Validator {
 
   const Hierarchy& h_;
   const HierarchyView& d_;
-  ValidateOptions options_;
+  int random_cuts_;
   SplitId splits_;
   std::vector<std::string> violations_;
   std::vector<SplitId> order_;              // depth-first
@@ -364,8 +364,8 @@ class Validator {
 
 }  // namespace
 
-std::vector<std::string> validate(const Hierarchy& hierarchy, const ValidateOptions& options) {
-  return Validator(hierarchy, options).run();
+std::vector<std::string> validate(const Hierarchy& hierarchy, int random_cuts) {
+  return Validator(hierarchy, random_cuts).run();
 }
 
 }  // namespace occlod

@@ -143,12 +143,12 @@ void bind_auto_refiner(nb::module_& m) {
       "view to view; the same calibration, objects, views and options give the same meshes.")
       .def(
           "__init__",
-          [](PythonAutoRefiner* self, nb::object objects, std::optional<Calibration> calibration,
+          [](PythonAutoRefiner* self, nb::object objects, const std::optional<Calibration>& calibration,
              const std::vector<std::string>& backends) {
             std::vector<PlacedObject> placed = to_objects(objects);
-            AutoOptions options{std::move(calibration), make_backends(backends)};
+            std::vector<std::unique_ptr<Visibility>> made = make_backends(backends);
             const nb::gil_scoped_release release;
-            new (self) PythonAutoRefiner{std::make_shared<State>(std::move(placed), std::move(options))};
+            new (self) PythonAutoRefiner{std::make_shared<State>(std::move(placed), calibration, std::move(made))};
           },
           "objects"_a, nb::kw_only(), "calibration"_a = nb::none(), "backends"_a = std::vector<std::string>{"software"},
           nb::sig("def __init__(self, objects: Object | Hierarchy | collections.abc.Iterable[Object | Hierarchy], *, "

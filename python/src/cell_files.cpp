@@ -37,8 +37,8 @@ struct PythonCellBuild {
   std::mutex in_use;
 };
 
-CellBuildRun run_of(int threads, const std::optional<nb::callable>& progress) {
-  return {threads, progress_of(progress ? nb::handle(*progress) : nb::handle(Py_None))};
+std::function<bool(double)> or_nothing(const std::optional<nb::callable>& progress) {
+  return progress_of(progress ? nb::handle(*progress) : nb::handle(Py_None));
 }
 
 // Throws IndexError.
@@ -65,8 +65,8 @@ std::unique_ptr<PythonCellCut> cut_of(const PythonVlodFile& self, CellId leaf) {
 }
 
 // What __setstate__() of CellTreeOptions takes.
-using TreeState = std::tuple<CellOptions, std::vector<CellBox>, std::tuple<double, double>,
-                             std::tuple<std::uint32_t, std::uint64_t>, CellDivision, std::optional<double>>;
+using TreeState = std::tuple<CellOptions, std::vector<CellBox>, std::tuple<double, double>, std::uint64_t, CellDivision,
+                             std::optional<double>>;
 
 void bind_tree_options(nb::module_& m) {
   nb::enum_<CellDivision>(m, "CellDivision", "When a cell is divided that draws more than CellTreeOptions says.")
@@ -77,39 +77,31 @@ void bind_tree_options(nb::module_& m) {
       .def(
           "__init__",
           [](CellTreeOptions* self, std::vector<CellBox> regions, const CellOptions& cell, double root_cell,
-             double smallest_cell, std::uint32_t levels, std::uint64_t max_triangles, CellDivision division,
+             double smallest_cell, std::uint64_t max_triangles, CellDivision division,
              std::optional<double> occluder_motion) {
-            new (self) CellTreeOptions{cell,   std::move(regions), root_cell, smallest_cell,
-                                       levels, max_triangles,      division,  occluder_motion};
+            new (self) CellTreeOptions{cell,          std::move(regions), root_cell,      smallest_cell,
+                                       max_triangles, division,           occluder_motion};
           },
           "regions"_a, nb::kw_only(), "cell"_a = standard.cell, "root_cell"_a = standard.root_cell,
-          "smallest_cell"_a = standard.smallest_cell, "levels"_a = standard.levels,
-          "max_triangles"_a = standard.max_triangles, "division"_a = standard.division,
-          "occluder_motion"_a = nb::none())
+          "smallest_cell"_a = standard.smallest_cell, "max_triangles"_a = standard.max_triangles,
+          "division"_a = standard.division, "occluder_motion"_a = nb::none())
       .def_rw("regions", &CellTreeOptions::regions, "Where the eye may be, world space. Copies: assign a list.")
       .def_rw("cell", &CellTreeOptions::cell, "Of each cell.")
       .def_rw("root_cell", &CellTreeOptions::root_cell, "No edge of an undivided cell is longer; world units.")
       .def_rw("smallest_cell", &CellTreeOptions::smallest_cell, "No edge is divided that would become shorter.")
-      .def_rw("levels", &CellTreeOptions::levels, "Of cells below those, at most.")
       .def_rw("max_triangles", &CellTreeOptions::max_triangles, "A cell that draws more may be divided.")
       .def_rw("division", &CellTreeOptions::division, "Whether that is worth while.")
       .def_rw("occluder_motion", &CellTreeOptions::occluder_motion,
               "How far occluders may have moved, world units; None: a quarter of smallest_cell.")
       .def("__getstate__",
            [](const CellTreeOptions& o) {
-             return TreeState{o.cell,     o.regions,        {o.root_cell, o.smallest_cell}, {o.levels, o.max_triangles},
-                              o.division, o.occluder_motion};
+             return TreeState{o.cell,          o.regions,  {o.root_cell, o.smallest_cell},
+                              o.max_triangles, o.division, o.occluder_motion};
            })
       .def("__setstate__", [](CellTreeOptions& self, TreeState state) {
-        auto& [cell, regions, edges, limits, division, motion] = state;
-        new (&self) CellTreeOptions{cell,
-                                    std::move(regions),
-                                    std::get<0>(edges),
-                                    std::get<1>(edges),
-                                    std::get<0>(limits),
-                                    std::get<1>(limits),
-                                    division,
-                                    motion};
+        auto& [cell, regions, edges, max_triangles, division, motion] = state;
+        new (&self) CellTreeOptions{
+            cell, std::move(regions), std::get<0>(edges), std::get<1>(edges), max_triangles, division, motion};
       });
 }
 
@@ -156,10 +148,10 @@ void bind_build(nb::module_& m) {
           "write_part",
           [](PythonCellBuild& self, const fs::path& part, const Range& range, int threads,
              const std::optional<nb::callable>& progress) {
-            const CellBuildRun run = run_of(threads, progress);
+            const auto show = or_nothing(progress);
             const nb::gil_scoped_release release;
             const std::scoped_lock lock(self.in_use);
-            self.build.write_part(part, range_of(range), run);
+            self.build.write_part(part, range_of(range), threads, show);
           },
           "part"_a, "range"_a, nb::kw_only(), "threads"_a = 0, "progress"_a = nb::none(),
           "Divides these root cells and writes them; the file appears whole or not at all. `threads` 0: one for each\n"
@@ -167,10 +159,10 @@ void bind_build(nb::module_& m) {
       .def(
           "write",
           [](PythonCellBuild& self, const fs::path& path, int threads, const std::optional<nb::callable>& progress) {
-            const CellBuildRun run = run_of(threads, progress);
+            const auto show = or_nothing(progress);
             const nb::gil_scoped_release release;
             const std::scoped_lock lock(self.in_use);
-            self.build.write(path, run);
+            self.build.write(path, threads, show);
           },
           "path"_a, nb::kw_only(), "threads"_a = 0, "progress"_a = nb::none(),
           "The same for all root cells, as a .vlod file.")
@@ -219,17 +211,15 @@ void bind_file(nb::module_& m) {
           "Whether it holds the geometry of its cells.")
       .def(
           "pack",
-          [](const PythonVlodFile& f, const fs::path& path, int level, const std::optional<nb::callable>& progress) {
+          [](const PythonVlodFile& f, const fs::path& path, const std::optional<nb::callable>& progress) {
             if (!f.objects) throw nb::value_error("it was opened without objects");
-            PackOptions options;
-            options.level = level;
-            options.progress = progress_of(progress ? nb::handle(*progress) : nb::handle(Py_None));
+            const auto show = or_nothing(progress);
             const nb::gil_scoped_release release;
-            pack_cells(*f.file, f.objects->refine_objects(), path, options);
+            pack_cells(*f.file, f.objects->refine_objects(), path, show);
           },
-          "path"_a, nb::kw_only(), "level"_a = PackOptions().level, "progress"_a = nb::none(),
+          "path"_a, nb::kw_only(), "progress"_a = nb::none(),
           "Writes the same cells with their geometry, so that no hierarchies are needed to walk through the file.\n"
-          "`level`: of zstd, in [1, 19]; 0: not compressed. ValueError without objects.")
+          "ValueError without objects.")
       .def("node", &node_of, "cell"_a, nb::rv_policy::copy, "IndexError for one that is not there.")
       .def(
           "leaf_of", [](const PythonVlodFile& f, glm::dvec3 eye) { return or_none(f.file->tree().leaf_of(eye)); },

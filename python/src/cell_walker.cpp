@@ -28,21 +28,15 @@ namespace fs = std::filesystem;
 
 // A walker with what it needs. Calls come one at a time.
 struct PythonCellWalker {
-  PythonCellWalker(PythonVlodFile opened, WalkOptions options)
+  PythonCellWalker(PythonVlodFile opened, const WalkOptions& options)
       : file(std::move(opened)),
         objects(file.objects ? file.objects->refine_objects() : placements(*file.file)),
         walker(file.file, file.objects ? std::span<const RefineObject>(objects) : std::span<const RefineObject>(),
-               with_notes(std::move(options))),
+               options),
         loader(walker) {}
-
-  WalkOptions with_notes(WalkOptions options) {
-    options.note = [this](const std::string& line) { notes.push_back(line); };
-    return options;
-  }
 
   PythonVlodFile file;
   std::vector<RefineObject> objects;
-  std::vector<std::string> notes;  // of the step
   CellWalker walker;
   CellLoader loader;
   std::mutex in_use;
@@ -51,7 +45,6 @@ struct PythonCellWalker {
 // What one step gave, for as long as Python holds it.
 struct PythonWalkedFrame {
   WalkedFrame frame;
-  std::vector<std::string> notes;
   PythonVlodFile file;
   std::vector<RefineObject> objects;
 
@@ -71,10 +64,8 @@ std::unique_ptr<PythonWalkedFrame> step(PythonCellWalker& self, const glm::dvec3
   if (!(seconds >= 0.0) || !std::isfinite(seconds)) throw nb::value_error("seconds: is not a finite number >= 0");
   const nb::gil_scoped_release release;
   const std::scoped_lock lock(self.in_use);
-  self.notes.clear();
   auto result = std::make_unique<PythonWalkedFrame>();
   result->frame = self.walker.step(eye, seconds);
-  result->notes = self.notes;
   result->file = self.file;
   result->objects = self.objects;
   return result;
@@ -89,10 +80,10 @@ std::size_t load(PythonCellWalker& self, std::size_t most) {
 }
 
 Array2<std::uint32_t, 3> ranges_in(const PythonWalkedFrame& self, const ViewLike& view) {
-  std::vector<DrawRange> ranges;
+  std::vector<ObjectRange> ranges;
   ranges_in_view(self.frame, self.objects, view.get(), ranges);
   std::vector<std::uint32_t> values;
-  for (const DrawRange& range : ranges) values.insert(values.end(), {range.object, range.first, range.count});
+  for (const ObjectRange& range : ranges) values.insert(values.end(), {range.object, range.first, range.count});
   return rows_array_of<std::uint32_t, 3>(std::move(values));
 }
 
@@ -130,7 +121,7 @@ void bind_frame(nb::module_& m) {
   add("resident_bytes", &WalkedFrame::resident_bytes, "Of what the walker's `memory` limits.");
   frame
       .def_prop_ro(
-          "notes", [](const PythonWalkedFrame& f) { return f.notes; },
+          "notes", [](const PythonWalkedFrame& f) { return f.frame.notes; },
           "What could not be loaded, as this step found out: lines of text.")
       .def(
           "__len__", [](const PythonWalkedFrame& f) { return f.frame.objects.size(); }, "Number of objects.")
@@ -194,24 +185,22 @@ void bind_cell_walker(nb::module_& m) {
       .def(
           "__init__",
           [](PythonCellWalker* self, const std::variant<PythonVlodFile*, fs::path>& file, nb::handle objects,
-             std::size_t memory, bool prefetch, int loaders) {
+             std::size_t memory, int loaders) {
             if (std::holds_alternative<PythonVlodFile*>(file) && !objects.is_none())
               throw nb::type_error("objects: the VlodFile has been opened with or without them; leave them out");
             WalkOptions options;
             options.memory = memory;
-            options.prefetch = prefetch;
             options.loaders = loaders;
             PythonVlodFile opened = std::holds_alternative<PythonVlodFile*>(file)
                                         ? *std::get<PythonVlodFile*>(file)
                                         : open_file(std::get<fs::path>(file), objects);
             const nb::gil_scoped_release release;
-            new (self) PythonCellWalker(std::move(opened), std::move(options));
+            new (self) PythonCellWalker(std::move(opened), options);
           },
           "file"_a, "objects"_a = nb::none(), nb::kw_only(), "memory"_a = standard.memory,
-          "prefetch"_a = standard.prefetch, "loaders"_a = standard.loaders,
+          "loaders"_a = standard.loaders,
           nb::sig("def __init__(self, file: VlodFile | str | os.PathLike[str], objects: Object | Hierarchy | "
-                  "collections.abc.Iterable[Object | Hierarchy] | None = None, *, memory: int = ..., prefetch: bool = "
-                  "True, "
+                  "collections.abc.Iterable[Object | Hierarchy] | None = None, *, memory: int = ..., "
                   "loaders: int = 1) -> None"),
           "`file`: one that was opened with its objects; or packed and without. Or a path, which is opened with\n"
           "`objects`. `memory`: bytes that may be in memory of cells. `loaders`: threads that load; with 0 load() has\n"

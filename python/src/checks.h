@@ -4,23 +4,19 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <type_traits>
-
 #include "bindings.h"
 
 namespace occlod::python {
 
 struct CheckWords {
   const char* require_all;  // docstring
-  const char* random;       // keyword of validate(): its only option
+  const char* random;       // keyword of validate()
   const char* restores;     // docstring
 };
 
-// require_all(), validate() and restores(). `Options` of validate(): one number.
-template <typename Options, typename Structure>
-void bind_checks(nb::class_<Structure>& type, const CheckWords& words) {
-  const auto [standard] = Options{};
-  using Number = std::remove_const_t<decltype(standard)>;
+// require_all(), validate() and restores(). `standard`: the default of validate().
+template <typename Number, typename Structure>
+void bind_checks(nb::class_<Structure>& type, const CheckWords& words, Number standard) {
   type.def(
           "require_all",
           [](const Structure& structure) {
@@ -32,7 +28,7 @@ void bind_checks(nb::class_<Structure>& type, const CheckWords& words) {
           "validate",
           [](const Structure& structure, Number random) {
             const nb::gil_scoped_release release;
-            return validate(structure, Options{random});
+            return validate(structure, random);
           },
           nb::kw_only(), nb::arg(words.random) = standard, "One line for each violated invariant; none when all hold.")
       .def(

@@ -29,7 +29,7 @@ std::function<ItemBuffer()> picture_of(const hlod::SoftwareDevice& device, bool 
 
 std::shared_ptr<PythonDevice> make_software(bool items) {
   auto made = std::make_shared<PythonDevice>();
-  auto device = std::make_unique<hlod::SoftwareDevice>(hlod::SoftwareDeviceOptions{items});
+  auto device = std::make_unique<hlod::SoftwareDevice>(items);
   made->picture = picture_of(*device, items);
   made->device = std::move(device);
   return made;

@@ -311,9 +311,10 @@ void bind_hierarchy(nb::module_& m) {
         return "<occlod.Hierarchy of " + std::to_string(h.input_triangle_count()) + " triangles, " +
                std::to_string(h.base_triangle_count()) + " in the base mesh>";
       });
-  bind_checks<ValidateOptions>(
-      type, {"Checks all of a mapped file; else its blocks are checked as they are used. Error where it is damaged.",
-             "random_cuts", "Whether applying all splits gives exactly the triangles of the mesh."});
+  bind_checks(type,
+              {"Checks all of a mapped file; else its blocks are checked as they are used. Error where it is damaged.",
+               "random_cuts", "Whether applying all splits gives exactly the triangles of the mesh."},
+              16);
   bind_cut(m);
 
   const BuildOptions standard;

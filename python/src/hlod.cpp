@@ -203,8 +203,10 @@ void bind_hlod_class(nb::module_& m) {
         return "<occlod.Hlod of " + std::to_string(h.node_count()) + " nodes on " + std::to_string(h.level_count()) +
                " levels>";
       });
-  bind_checks<hlod::ValidateOptions>(type, {"Checks all of a mapped file. Error where it is damaged.", "random_fronts",
-                                            "Whether level 0 is exactly the triangles of the mesh."});
+  bind_checks(type,
+              {"Checks all of a mapped file. Error where it is damaged.", "random_fronts",
+               "Whether level 0 is exactly the triangles of the mesh."},
+              std::size_t{64});
   bind_arrays(type);
 }
 
@@ -222,13 +224,13 @@ void bind_hlod(nb::module_& m) {
       .value("splits", hlod::Within::splits, "Also every node's collapses, for twice the bytes.");
   bind_nodes(m);
   bind_hlod_class(m);
-  const hlod::BuildOptions standard;
+  const hlod::HlodBuildOptions standard;
   m.def(
       "build_hlod",
       [](const TriangleMesh& mesh, std::uint32_t node_triangles, hlod::Grouping grouping, hlod::Borders borders,
          hlod::Within within, int quantise_bits, int threads, const std::optional<std::filesystem::path>& journal,
-         const std::optional<nb::callable>& resumed, const std::optional<nb::callable>& progress) {
-        hlod::BuildOptions options;
+         const std::optional<nb::callable>& progress) {
+        hlod::HlodBuildOptions options;
         options.node_triangles = node_triangles;
         options.grouping = grouping;
         options.borders = borders;
@@ -238,18 +240,13 @@ void bind_hlod(nb::module_& m) {
         if (journal && journal->empty())
           throw nb::value_error("journal: names no file; give a path, or None for a build without a journal");
         options.journal = journal.value_or(std::filesystem::path());
-        if (resumed)
-          options.resumed = [call = nb::handle(*resumed)](std::size_t nodes) {
-            const nb::gil_scoped_acquire acquire;
-            call(nodes);
-          };
         options.progress = progress_of(progress ? nb::handle(*progress) : nb::handle(Py_None));
         const nb::gil_scoped_release release;
         return hlod::build_hlod(mesh, options);
       },
       "mesh"_a, nb::kw_only(), "node_triangles"_a = standard.node_triangles, "grouping"_a = standard.grouping,
       "borders"_a = standard.borders, "within"_a = standard.within, "quantise_bits"_a = standard.quantise_bits,
-      "threads"_a = standard.threads, "journal"_a = nb::none(), "resumed"_a = nb::none(), "progress"_a = nb::none(),
+      "threads"_a = standard.threads, "journal"_a = nb::none(), "progress"_a = nb::none(),
       "Builds the HLOD of any triangle soup with welded vertices. The same bytes for any number of threads. "
       "`progress`\n"
       "is called with the share done; what it raises, and Ctrl-C, end the build. O(n log n).\n"
@@ -257,8 +254,7 @@ void bind_hlod(nb::module_& m) {
       "[8, 23]; 0: they stay as they are.\n"
       "`journal`: a file in which the build keeps what it has finished, 18 bytes for each triangle. A build of the\n"
       "same mesh with the same options goes on from there, to the same bytes; threads may differ. Remove it once the\n"
-      "result is written. Error for a file that is no journal, that another build uses, or that does not fit.\n"
-      "`resumed` is called once, at the end of a build with a journal, with the number of nodes that it took over.");
+      "result is written. Error for a file that is no journal, that another build uses, or that does not fit.");
   m.def(
       "read_hlod_and_report",
       [](const std::filesystem::path& path, OlodAccess access) {

@@ -58,7 +58,7 @@ std::vector<PlacedObject> load(const SceneDescription& scene, const std::filesys
 }
 
 std::vector<HlodObject> load_hlods(const SceneDescription& scene, const std::filesystem::path& folder,
-                                   HlodLoadOptions options, const std::optional<nb::callable>& progress,
+                                   LoadOptions options, const std::optional<nb::callable>& progress,
                                    const std::optional<nb::callable>& note) {
   options.progress = step_of(or_none(progress));
   options.note = note_of(note);
@@ -188,16 +188,16 @@ void bind_scene(nb::module_& m) {
           [](const SceneDescription& scene, const std::optional<std::filesystem::path>& folder,
              std::uint32_t node_triangles, hlod::Within within, int threads, bool use_cache,
              const std::optional<nb::callable>& progress, const std::optional<nb::callable>& note) {
-            HlodLoadOptions options;
-            options.build.node_triangles = node_triangles;
-            options.build.within = within;
-            options.build.threads = threads;
+            LoadOptions options;
+            options.build_hlod.node_triangles = node_triangles;
+            options.build_hlod.within = within;
+            options.build_hlod.threads = threads;
             options.use_cache = use_cache;
             return load_hlods(scene, folder_of(scene, folder), options, progress, note);
           },
-          "folder"_a = nb::none(), nb::kw_only(), "node_triangles"_a = hlod::BuildOptions{}.node_triangles,
-          "within"_a = hlod::BuildOptions{}.within, "threads"_a = 0, "use_cache"_a = true, "progress"_a = nb::none(),
-          "note"_a = nb::none(),
+          "folder"_a = nb::none(), nb::kw_only(), "node_triangles"_a = hlod::HlodBuildOptions{}.node_triangles,
+          "within"_a = hlod::HlodBuildOptions{}.within, "threads"_a = 0, "use_cache"_a = true,
+          "progress"_a = nb::none(), "note"_a = nb::none(),
           "All objects that are no .ohlod files as one HLOD, built or fetched from the user's cache, then each .ohlod\n"
           "file at its place. Otherwise as load().")
       .def(

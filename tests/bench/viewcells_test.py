@@ -26,7 +26,7 @@ class SmallCity(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             os.environ["XDG_CACHE_HOME"] = folder
             cells = pathlib.Path(folder) / "city.vlod"
-            run(os.environ["OCCLOD_TOOL"], "cells", "build", SCENE, "-o", cells, "--eyes", "1024x768,60,0.1")
+            run(os.environ["OCCLOD_TOOL"], "cells", "build", SCENE, "-o", cells, "--image", "1024x768,60,0.1")
             cls.runs = [json.loads(run(os.environ["BENCH_VIEWCELLS"], cells, SCENE, "--quick")) for _ in range(2)]
 
     def test_measures_each_path(self):

@@ -9,7 +9,7 @@ std::vector<TestedDevice> tested_devices() {
   late.latency_commands = 5;
   return {
       {"software", [](std::string&) { return std::make_unique<SoftwareDevice>(); }},
-      {"software_items", [](std::string&) { return std::make_unique<SoftwareDevice>(SoftwareDeviceOptions{true}); }},
+      {"software_items", [](std::string&) { return std::make_unique<SoftwareDevice>(true); }},
       {"virtual_modern", [](std::string&) { return std::make_unique<VirtualDevice>(device_preset("modern")); }},
       {"virtual_late", [late](std::string&) { return std::make_unique<VirtualDevice>(late); }},
   };

@@ -118,7 +118,7 @@ TEST(SoftwareDevice, MorphsPatchByPatch) {
 // A node refined within: the triangles of the cut, by positions of the mesh and of its splits, with none or all of
 // them.
 TEST(SoftwareDevice, DrawsCuts) {
-  BuildOptions options;
+  HlodBuildOptions options;
   options.node_triangles = 128;
   options.within = Within::splits;
   const Hlod hlod = build_hlod(generate("rough-planet", {{"level", 5}}), options);
@@ -193,7 +193,7 @@ TEST(SoftwareDevice, CountsAllThatABoxCoversOnAnEmptyScreen) {
 }
 
 TEST(SoftwareDevice, KeepsWhichTriangleOwnsEachPixel) {
-  SoftwareDevice device({.items = true}), plain;
+  SoftwareDevice device(true), plain;
   begin(device, planet());
   begin(plain, planet());
   draw_finest(device, 0, planet());

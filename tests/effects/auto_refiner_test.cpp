@@ -18,11 +18,7 @@
 namespace occlod::test {
 namespace {
 
-AutoRefiner refiner_of(std::span<const RefineObject> objects) {
-  AutoOptions options;
-  options.calibration = round_calibration();
-  return AutoRefiner(objects, std::move(options));
-}
+AutoRefiner refiner_of(std::span<const RefineObject> objects) { return AutoRefiner(objects, round_calibration()); }
 
 RefineOptions budget_of(std::size_t triangles) {
   RefineOptions options;
@@ -297,23 +293,19 @@ TEST(AutoRefiner, RefusesOptionsOutOfRange) {
 TEST(AutoRefiner, WantsACalibrationOfPositiveNumbersAndBackendsThatAreThere) {
   const Hierarchy ground = open_ground();
   const RefineObject objects[] = {{.hierarchy = &ground}};
-  AutoOptions without_costs;
-  without_costs.calibration = round_calibration();
-  without_costs.calibration->visit_ns = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(AutoRefiner(objects, std::move(without_costs)), Error);
-  AutoOptions without_backend;
-  without_backend.calibration = round_calibration();
-  without_backend.backends.emplace_back();
-  EXPECT_THROW(AutoRefiner(objects, std::move(without_backend)), Error);
+  Calibration without_costs = round_calibration();
+  without_costs.visit_ns = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(AutoRefiner(objects, without_costs), Error);
+  std::vector<std::unique_ptr<Visibility>> missing(1);
+  EXPECT_THROW(AutoRefiner(objects, round_calibration(), std::move(missing)), Error);
 }
 
 TEST(AutoRefiner, WantsAllBackendsInTheCalibration) {
   const Hierarchy ground = open_ground();
   const RefineObject objects[] = {{.hierarchy = &ground}};
-  AutoOptions options;
-  options.calibration = round_calibration();
-  options.calibration->backends.front().name = "another";
-  EXPECT_THROW(AutoRefiner(objects, std::move(options)), Error);
+  Calibration of_another = round_calibration();
+  of_another.backends.front().name = "another";
+  EXPECT_THROW(AutoRefiner(objects, of_another), Error);
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ void build(const TriangleMesh& mesh) try {
   options.base_triangles = 0;
   options.threads = 1;
   const Hierarchy hierarchy = build_hierarchy(mesh, options);
-  expect(validate(hierarchy, {2}).empty());
+  expect(validate(hierarchy, 2).empty());
   expect(restores(hierarchy, mesh));
 } catch (const Error& error) {
   static_cast<void>(refused(error));

@@ -88,7 +88,7 @@ bool read(const std::filesystem::path& path, hlod::Hlod& hlod) {
   try {
     hlod = read_ohlod(path).hlod;
     hlod.require_all();
-    (void)hlod::validate(hlod, {4});
+    (void)hlod::validate(hlod, 4);
     for (hlod::NodeId n = 0; n < hlod.node_count(); ++n)
       (void)hlod::within_cut(hlod, n, 0.5 * static_cast<double>(hlod.node(n).error));
   } catch (const Error&) {

@@ -56,7 +56,7 @@ void sign_blocks(const fuzz::SectionSigner& file) {
 void read_all(const std::filesystem::path& path) {
   const Hierarchy hierarchy = read_olod(path).hierarchy;
   hierarchy.require_all();
-  (void)validate(hierarchy, {2});
+  (void)validate(hierarchy, 2);
   for (const std::size_t triangles : {std::size_t{0}, hierarchy.input_triangle_count() / 2})
     (void)cut_mesh(hierarchy, cut_to_triangles(hierarchy, triangles));
 }

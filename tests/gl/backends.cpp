@@ -6,6 +6,7 @@
 #include "gl/backend_options.h"
 #include "occlod/gl.h"
 #include "occlod/visibility.h"
+#include "raster/software_occlusion.h"
 
 namespace occlod::gl {
 namespace {
@@ -34,7 +35,7 @@ std::shared_ptr<Context> TestedBackend::context(std::string& why) const {
 }
 
 std::unique_ptr<Visibility> TestedBackend::make(std::shared_ptr<Context> context, bool count_pixels) const {
-  if (backend == Backend::software) return make_software_occlusion({.count_pixels = count_pixels});
+  if (backend == Backend::software) return make_software_occlusion(count_pixels);
   QueryOcclusionOptions options;
   options.target = count_pixels                             ? QueryTarget::count
                    : backend == Backend::query_conservative ? QueryTarget::any_conservative

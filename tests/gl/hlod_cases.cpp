@@ -27,7 +27,7 @@ std::vector<TestedDevice> tested_devices() {
 
 const hlod::Hlod& sphere_hlod() {
   static const hlod::Hlod hlod = [] {
-    hlod::BuildOptions options;
+    hlod::HlodBuildOptions options;
     options.node_triangles = 64;
     return hlod::build_hlod(test::noisy_sphere(5, 1), options);
   }();

@@ -85,7 +85,7 @@ TEST_P(HlodLifetime, AMeshLargerThanTheMemoryIsAnError) {
 
 // Meshes of usual chunks' size and more: each chunk is made for the largest.
 TEST_P(HlodLifetime, HlodsOfAnySizeFollowEachOther) {
-  hlod::BuildOptions coarse;
+  hlod::HlodBuildOptions coarse;
   coarse.node_triangles = 4096;
   const hlod::Hlod large = hlod::build_hlod(test::noisy_sphere(5, 1), coarse);
   const auto device = make(1 << 20);

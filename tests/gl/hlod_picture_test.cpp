@@ -128,7 +128,7 @@ TEST_P(HlodPicture, RangesOfANodeMorphOnTheirOwn) {
 
 // Nodes refined within, by turns with the nodes as they are.
 TEST_P(HlodPicture, NodesAreRefinedWithin) {
-  hlod::BuildOptions options;
+  hlod::HlodBuildOptions options;
   options.node_triangles = 64;
   options.within = hlod::Within::splits;
   const hlod::Hlod hlod = hlod::build_hlod(test::noisy_sphere(5, 1), options);

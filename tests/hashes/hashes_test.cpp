@@ -136,7 +136,7 @@ void compare_ways(const Scene& scene, const Hierarchy& hierarchy, test::Expected
 }
 
 void compare_hlods(const Scene& scene, const CleanMesh& cleaned, int threads, test::ExpectedHashes& expected) {
-  hlod::BuildOptions options;
+  hlod::HlodBuildOptions options;
   options.node_triangles = 300;
   options.threads = threads;
   const auto compare = [&](const char* kind) {

@@ -22,8 +22,8 @@ using occlod::test::noisy_sphere;
 const std::vector<std::pair<Grouping, Borders>> all_kinds = {
     {Grouping::shifted, Borders::locked}, {Grouping::nested, Borders::locked}, {Grouping::nested, Borders::free}};
 
-BuildOptions small_nodes(Grouping grouping = Grouping::shifted, Borders borders = Borders::locked) {
-  BuildOptions options;
+HlodBuildOptions small_nodes(Grouping grouping = Grouping::shifted, Borders borders = Borders::locked) {
+  HlodBuildOptions options;
   options.node_triangles = 64;
   options.grouping = grouping;
   options.borders = borders;
@@ -49,7 +49,7 @@ TEST(BuildHlod, EveryKindOfMeshBuildsValidatesAndComesBack) {
     for (const auto& [grouping, borders] : all_kinds) {
       SCOPED_TRACE(std::string(name) + (grouping == Grouping::nested ? " nested" : " shifted") +
                    (borders == Borders::free ? " free" : " locked"));
-      BuildOptions options = small_nodes(grouping, borders);
+      HlodBuildOptions options = small_nodes(grouping, borders);
       options.within = Within::splits;
       const Hlod hlod = build_hlod(mesh, options);
       const std::vector<std::string> violations = validate(hlod);
@@ -89,7 +89,7 @@ TEST(BuildHlod, NestedNodesHaveOneParentAndShiftedOnesFew) {
 TEST(BuildHlod, TheSameBytesForAnyNumberOfThreads) {
   const TriangleMesh mesh = noisy_sphere(6, 3);
   for (const auto& [grouping, borders] : all_kinds) {
-    BuildOptions options = small_nodes(grouping, borders);
+    HlodBuildOptions options = small_nodes(grouping, borders);
     const std::string one = test::bytes_of(build_hlod(mesh, options));
     for (const int threads : {2, 7}) {
       options.threads = threads;
@@ -143,8 +143,8 @@ TEST(BuildHlod, GeomorphTargetsLieInTheParentAndSharedVerticesStay) {
 
 void expect_refused(
     const TriangleMesh& mesh, const std::string& text,
-    const std::function<void(BuildOptions&)>& spoil = [](BuildOptions&) {}) {
-  BuildOptions options;
+    const std::function<void(HlodBuildOptions&)>& spoil = [](HlodBuildOptions&) {}) {
+  HlodBuildOptions options;
   spoil(options);
   try {
     (void)build_hlod(mesh, options);
@@ -156,11 +156,11 @@ void expect_refused(
 
 TEST(BuildHlod, RefusesOptionsOutOfTheirRange) {
   const TriangleMesh mesh = occlod::test::tetrahedron();
-  expect_refused(mesh, "option node_triangles", [](BuildOptions& o) { o.node_triangles = 15; });
-  expect_refused(mesh, "option node_triangles", [](BuildOptions& o) { o.node_triangles = 4097; });
-  expect_refused(mesh, "option threads", [](BuildOptions& o) { o.threads = -1; });
-  expect_refused(mesh, "option threads", [](BuildOptions& o) { o.threads = 1025; });
-  expect_refused(mesh, "need locked borders", [](BuildOptions& o) { o.borders = Borders::free; });
+  expect_refused(mesh, "option node_triangles", [](HlodBuildOptions& o) { o.node_triangles = 15; });
+  expect_refused(mesh, "option node_triangles", [](HlodBuildOptions& o) { o.node_triangles = 4097; });
+  expect_refused(mesh, "option threads", [](HlodBuildOptions& o) { o.threads = -1; });
+  expect_refused(mesh, "option threads", [](HlodBuildOptions& o) { o.threads = 1025; });
+  expect_refused(mesh, "need locked borders", [](HlodBuildOptions& o) { o.borders = Borders::free; });
 }
 
 TEST(BuildHlod, RefusesMeshesThatAreNotClean) {
@@ -178,7 +178,7 @@ TEST(BuildHlod, RefusesMeshesThatAreNotClean) {
 
 TEST(BuildHlod, ReportsProgressAndCanBeCancelled) {
   const TriangleMesh mesh = noisy_sphere(7, 3);
-  BuildOptions options = small_nodes();
+  HlodBuildOptions options = small_nodes();
   std::vector<double> shares;
   options.progress = [&](double share) {
     shares.push_back(share);
@@ -190,7 +190,7 @@ TEST(BuildHlod, ReportsProgressAndCanBeCancelled) {
   EXPECT_GE(shares.front(), 0.0);
   EXPECT_LE(shares.back(), 1.0);
   int calls = 0;
-  expect_refused(mesh, "was cancelled", [&](BuildOptions& o) { o.progress = [&](double) { return ++calls < 2; }; });
+  expect_refused(mesh, "was cancelled", [&](HlodBuildOptions& o) { o.progress = [&](double) { return ++calls < 2; }; });
   EXPECT_EQ(calls, 2);
 }
 

@@ -17,7 +17,7 @@ namespace occlod::hlod {
 namespace {
 
 Hlod small_hlod(const TriangleMesh& mesh, Grouping grouping = Grouping::shifted, Borders borders = Borders::locked) {
-  BuildOptions options;
+  HlodBuildOptions options;
   options.node_triangles = 64;
   options.grouping = grouping;
   options.borders = borders;
@@ -25,7 +25,7 @@ Hlod small_hlod(const TriangleMesh& mesh, Grouping grouping = Grouping::shifted,
 }
 
 std::string violation_of(const Hlod& hlod, std::size_t fronts) {
-  const std::vector<std::string> violations = validate(hlod, {fronts});
+  const std::vector<std::string> violations = validate(hlod, fronts);
   return violations.empty() ? "" : violations[0];
 }
 
@@ -60,7 +60,7 @@ TEST(Fronts, TenThousandRandomFrontsHaveTheBoundaryOfTheInput) {
 TEST(Fronts, AThousandWithCutsWithinNodesToo) {
   for (const TriangleMesh& mesh : {occlod::test::noisy_sphere(6, 1), terrain_with_holes(100),
                                    generate("city", {{"blocks", 5}, {"facade_cells", 6}})}) {
-    BuildOptions options;
+    HlodBuildOptions options;
     options.node_triangles = 64;
     options.within = Within::splits;
     EXPECT_EQ(violation_of(build_hlod(mesh, options), 1'000), "");
@@ -71,7 +71,7 @@ TEST(Fronts, FreeBordersGapeAndAreSeen) {
   // What the check is worth: the same groups with free borders, said to be locked.
   HlodData data = copy_data(small_hlod(occlod::test::noisy_sphere(6, 1), Grouping::nested, Borders::free));
   data.borders = Borders::locked;
-  const std::vector<std::string> violations = validate(make_hlod(std::move(data)), {100});
+  const std::vector<std::string> violations = validate(make_hlod(std::move(data)), 100);
   EXPECT_TRUE(std::any_of(violations.begin(), violations.end(), [](const std::string& violation) {
     return violation.find("is not a conforming mesh") != std::string::npos ||
            violation.find("both merge one vertex") != std::string::npos;

@@ -11,7 +11,7 @@ namespace occlod::hlod::test {
 // Of that mesh, of several levels, with splits within nodes.
 [[nodiscard]] inline const Hlod& good() {
   static const Hlod hlod = [] {
-    BuildOptions options;
+    HlodBuildOptions options;
     options.node_triangles = 64;
     options.within = Within::splits;
     return build_hlod(good_mesh(), options);

@@ -18,13 +18,13 @@ void expect_sound(const TriangleMesh& mesh, std::uint32_t node_triangles = 64) {
   for (const Grouping grouping : {Grouping::shifted, Grouping::nested})
     for (const Borders borders : {Borders::locked, Borders::free}) {
       if (grouping == Grouping::shifted && borders == Borders::free) continue;
-      BuildOptions options;
+      HlodBuildOptions options;
       options.node_triangles = node_triangles;
       options.grouping = grouping;
       options.borders = borders;
       options.within = Within::splits;
       const Hlod hlod = build_hlod(mesh, options);
-      const std::vector<std::string> violations = validate(hlod, {200});
+      const std::vector<std::string> violations = validate(hlod, 200);
       EXPECT_TRUE(violations.empty()) << violations[0];
       EXPECT_TRUE(restores(hlod, mesh));
     }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/platform.h"
+#include "hlod/build/build_journal.h"
 #include "hlod_bytes.h"
 #include "occlod/base.h"
 #include "occlod/build_hlod.h"
@@ -30,27 +31,27 @@ constexpr std::size_t header_bytes = 120, head_bytes = 24;  // of the file, and 
 struct Story {
   const char* name;
   TriangleMesh mesh;
-  BuildOptions options;
+  HlodBuildOptions options;
 };
 
 std::vector<Story> stories() {
   std::vector<Story> result;
-  const auto add = [&](const char* name, TriangleMesh mesh, const std::function<void(BuildOptions&)>& set) {
-    BuildOptions options;
+  const auto add = [&](const char* name, TriangleMesh mesh, const std::function<void(HlodBuildOptions&)>& set) {
+    HlodBuildOptions options;
     options.node_triangles = 16;
     set(options);
     result.push_back({name, std::move(mesh), options});
   };
-  add("shifted", occlod::test::noisy_sphere(5, 1), [](BuildOptions&) {});
-  add("nested", occlod::test::noisy_sphere(4, 2), [](BuildOptions& o) { o.grouping = Grouping::nested; });
-  add("free", occlod::test::noisy_sphere(4, 3), [](BuildOptions& o) {
+  add("shifted", occlod::test::noisy_sphere(5, 1), [](HlodBuildOptions&) {});
+  add("nested", occlod::test::noisy_sphere(4, 2), [](HlodBuildOptions& o) { o.grouping = Grouping::nested; });
+  add("free", occlod::test::noisy_sphere(4, 3), [](HlodBuildOptions& o) {
     o.grouping = Grouping::nested;
     o.borders = Borders::free;
   });
-  add("splits", occlod::test::noisy_sphere(4, 4), [](BuildOptions& o) { o.within = Within::splits; });
-  add("wedges", occlod::test::book(40), [](BuildOptions&) {});
-  add("charts", occlod::test::cube_of_charts(14), [](BuildOptions&) {});
-  add("charts with splits", occlod::test::cube_of_charts(12), [](BuildOptions& o) { o.within = Within::splits; });
+  add("splits", occlod::test::noisy_sphere(4, 4), [](HlodBuildOptions& o) { o.within = Within::splits; });
+  add("wedges", occlod::test::book(40), [](HlodBuildOptions&) {});
+  add("charts", occlod::test::cube_of_charts(14), [](HlodBuildOptions&) {});
+  add("charts with splits", occlod::test::cube_of_charts(12), [](HlodBuildOptions& o) { o.within = Within::splits; });
   return result;
 }
 
@@ -73,19 +74,14 @@ class Journal : public testing::Test {
   }
 
   // The bytes of the HLOD; taken() is what the journal had.
-  std::string build(const TriangleMesh& mesh, BuildOptions options, int threads = 0) {
+  std::string build(const TriangleMesh& mesh, HlodBuildOptions options, int threads = 0) {
     options.journal = path_;
     options.threads = threads;
-    taken_.reset();
-    options.resumed = [this](std::size_t nodes) {
-      EXPECT_FALSE(taken_);
-      taken_ = nodes;
-    };
-    return test::bytes_of(build_hlod(mesh, options));
+    return test::bytes_of(build_hlod(mesh, options, taken_));
   }
-  [[nodiscard]] std::size_t taken() const { return taken_.value(); }
+  [[nodiscard]] std::size_t taken() const { return taken_; }
 
-  std::string refusal(const TriangleMesh& mesh, const BuildOptions& options) {
+  std::string refusal(const TriangleMesh& mesh, const HlodBuildOptions& options) {
     try {
       (void)build(mesh, options);
     } catch (const Error& error) {
@@ -96,7 +92,7 @@ class Journal : public testing::Test {
 
  private:
   std::filesystem::path path_ = testing::TempDir() + "journal_test." + std::to_string(process_id());
-  std::optional<std::size_t> taken_;
+  std::size_t taken_ = 0;
 };
 
 // Where a record begins and ends, and how many nodes lie before its end.
@@ -145,7 +141,7 @@ std::size_t whole_nodes(const std::vector<Record>& records, std::size_t bytes) {
   return nodes;
 }
 
-std::size_t nodes_above_input(const TriangleMesh& mesh, const BuildOptions& options) {
+std::size_t nodes_above_input(const TriangleMesh& mesh, const HlodBuildOptions& options) {
   const Hlod hlod = build_hlod(mesh, options);
   return hlod.node_count() - hlod.data().levels[0].node_count;
 }
@@ -177,7 +173,7 @@ TEST_F(Journal, BuildsCancelledAtAnyMomentGoOn) {
     std::string resumed;
     while (resumed.empty()) {
       std::size_t calls = 0;
-      BuildOptions cancelling = options;
+      HlodBuildOptions cancelling = options;
       cancelling.progress = [&](double) { return calls++ < cancelled; };
       const std::string before = content();
       bytes_before = before.size();
@@ -269,7 +265,7 @@ TEST_F(Journal, NodesKeepTheirOrder) {
     EXPECT_EQ(content(), whole);
   }
   // One of another build, in the same place.
-  BuildOptions other = story.options;
+  HlodBuildOptions other = story.options;
   other.grouping = Grouping::nested;
   std::filesystem::remove(path());
   (void)build(story.mesh, other);
@@ -281,31 +277,31 @@ TEST_F(Journal, NodesKeepTheirOrder) {
 
 TEST_F(Journal, OtherOptionsAreRefused) {
   const TriangleMesh mesh = occlod::test::noisy_sphere(4, 1);
-  BuildOptions options;
+  HlodBuildOptions options;
   options.node_triangles = 32;
   options.grouping = Grouping::nested;
   (void)build(mesh, options);
   const std::string whole = content();
-  const auto expect_refused = [&](const char* message, const std::function<void(BuildOptions&)>& change) {
-    BuildOptions other = options;
+  const auto expect_refused = [&](const char* message, const std::function<void(HlodBuildOptions&)>& change) {
+    HlodBuildOptions other = options;
     change(other);
     EXPECT_EQ(refusal(mesh, other), path().string() + ": option " + message +
                                         " in this one; build with the same, or remove the journal to start anew");
     EXPECT_EQ(content(), whole);
   };
   expect_refused("node_triangles: is 32 in the build that left the journal, 33",
-                 [](BuildOptions& o) { o.node_triangles = 33; });
+                 [](HlodBuildOptions& o) { o.node_triangles = 33; });
   expect_refused("grouping: is nested in the build that left the journal, shifted",
-                 [](BuildOptions& o) { o.grouping = Grouping::shifted; });
+                 [](HlodBuildOptions& o) { o.grouping = Grouping::shifted; });
   expect_refused("borders: is locked in the build that left the journal, free",
-                 [](BuildOptions& o) { o.borders = Borders::free; });
+                 [](HlodBuildOptions& o) { o.borders = Borders::free; });
   expect_refused("within: is geomorph in the build that left the journal, splits",
-                 [](BuildOptions& o) { o.within = Within::splits; });
+                 [](HlodBuildOptions& o) { o.within = Within::splits; });
 }
 
 TEST_F(Journal, AnotherMeshIsRefused) {
   const TriangleMesh mesh = occlod::test::cube_of_charts(8);
-  BuildOptions options;
+  HlodBuildOptions options;
   options.node_triangles = 16;
   (void)build(mesh, options);
   const std::string whole = content();
@@ -334,7 +330,7 @@ TEST_F(Journal, AnotherMeshIsRefused) {
 
 TEST_F(Journal, OfAnotherVersionIsRefused) {
   const TriangleMesh mesh = occlod::test::noisy_sphere(3, 1);
-  BuildOptions options;
+  HlodBuildOptions options;
   options.node_triangles = 16;
   (void)build(mesh, options);
   std::string older = content();
@@ -374,7 +370,7 @@ TEST_F(Journal, IsNotMadeForAMeshThatCannotBeBuilt) {
 }
 
 TEST_F(Journal, AFolderThatIsNotThereIsTold) {
-  BuildOptions options;
+  HlodBuildOptions options;
   options.journal = path() / "none";
   try {
     (void)build_hlod(occlod::test::noisy_sphere(3, 1), options);
@@ -391,15 +387,14 @@ TEST_F(Journal, MemoryMayDiffer) {
     stream_generated("rough-planet", {{"level", 8}}, [&](const TriangleMesh& piece, std::size_t) { sink.add(piece); });
   };
   std::size_t found = 0;
-  BuildOptions options;
+  HlodBuildOptions options;
   options.node_triangles = 64;
   MeshReport report;
   const std::string plain = test::bytes_of(build_hlod(planet, options, report));
   options.journal = path();
-  options.resumed = [&](std::size_t nodes) { found = nodes; };
   {
     const MemoryLimit limit(std::size_t{64} << 20U, testing::TempDir());
-    EXPECT_EQ(test::bytes_of(build_hlod(planet, options, report)), plain);
+    EXPECT_EQ(test::bytes_of(build_hlod(planet, options, report, found)), plain);
     EXPECT_GT(limit.max_scratch_bytes(), std::size_t{20} << 20U);
   }
   const std::string whole = content();
@@ -407,12 +402,12 @@ TEST_F(Journal, MemoryMayDiffer) {
   ASSERT_FALSE(records[4].is_node) << "the groups of the input, 2^19 triangles, take two pieces and the number";
   for (const std::size_t bytes : {records[2].end - 100, records[5].end - 100, whole.size() / 2, whole.size() / 4 * 3}) {
     std::filesystem::resize_file(path(), bytes);
-    EXPECT_EQ(test::bytes_of(build_hlod(planet, options, report)), plain);
+    EXPECT_EQ(test::bytes_of(build_hlod(planet, options, report, found)), plain);
     EXPECT_EQ(found, whole_nodes(records, bytes));
     EXPECT_EQ(content(), whole);
     std::filesystem::resize_file(path(), bytes);
     const MemoryLimit limit(std::size_t{64} << 20U, testing::TempDir());
-    EXPECT_EQ(test::bytes_of(build_hlod(planet, options, report)), plain);
+    EXPECT_EQ(test::bytes_of(build_hlod(planet, options, report, found)), plain);
     EXPECT_EQ(found, whole_nodes(records, bytes));
     EXPECT_EQ(content(), whole);
   }

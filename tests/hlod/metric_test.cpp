@@ -53,7 +53,7 @@ TEST(ScreenError, IsNeverLessThanAChilds) {
   for (const Grouping grouping : {Grouping::shifted, Grouping::nested})
     for (const TriangleMesh& mesh :
          {occlod::test::noisy_sphere(6, 1), generate("city", {{"blocks", 3}, {"facade_cells", 8}})}) {
-      BuildOptions options;
+      HlodBuildOptions options;
       options.node_triangles = 64;
       options.grouping = grouping;
       const Hlod hlod = build_hlod(mesh, options);
@@ -132,7 +132,7 @@ TEST(ScreenScale, AtPowersOfTwoIsTheSameToTheBit) {
 }
 
 TEST(ScreenError, IsNeverLessThanAChildsWhereverItIsPlaced) {
-  BuildOptions options;
+  HlodBuildOptions options;
   options.node_triangles = 64;
   const Hlod hlod = build_hlod(occlod::test::noisy_sphere(5, 1), options);
   std::vector<glm::dmat4> places = {glm::scale(glm::dmat4(1.0), glm::dvec3(0.2, 3.0, -1.0))};

@@ -16,8 +16,8 @@
 namespace occlod::hlod {
 namespace {
 
-BuildOptions quantised(int bits) {
-  BuildOptions options;
+HlodBuildOptions quantised(int bits) {
+  HlodBuildOptions options;
   options.node_triangles = 64;
   options.quantise_bits = bits;
   return options;
@@ -87,7 +87,7 @@ TEST(QuantisedHlod, DropsTrianglesThatFallTogether) {
 }
 
 TEST(QuantisedHlod, IsTheSameForAnyThreads) {
-  BuildOptions options = quantised(12);
+  HlodBuildOptions options = quantised(12);
   const TriangleMesh mesh = occlod::test::noisy_sphere(5, 2);
   options.threads = 1;
   const std::string one = test::bytes_of(build_hlod(mesh, options));

@@ -52,7 +52,7 @@ TriangleSource in_pieces(const TriangleMesh& mesh, std::size_t size) {
 }
 
 Hlod build(const TriangleSource& source, MeshReport& report) {
-  BuildOptions options;
+  HlodBuildOptions options;
   options.node_triangles = 64;
   return build_hlod(source, options, report);
 }

@@ -186,7 +186,7 @@ TEST(ValidateHlod, FindsSplitsThatContradictMerges) {
 TEST(ValidateHlod, FindsFrontsThatGape) {
   // A vertex on the border of two parents is merged in one of them: each node is sound, the front between is not. Shown
   // by nested groups with free borders, which do that everywhere.
-  BuildOptions options;
+  HlodBuildOptions options;
   options.node_triangles = 64;
   options.grouping = Grouping::nested;
   options.borders = Borders::free;

@@ -20,8 +20,8 @@ constexpr int grid_size = 48;
 const std::vector<std::pair<Grouping, Borders>> all_kinds = {
     {Grouping::shifted, Borders::locked}, {Grouping::nested, Borders::locked}, {Grouping::nested, Borders::free}};
 
-BuildOptions small_nodes(Grouping grouping = Grouping::shifted, Borders borders = Borders::locked) {
-  BuildOptions options;
+HlodBuildOptions small_nodes(Grouping grouping = Grouping::shifted, Borders borders = Borders::locked) {
+  HlodBuildOptions options;
   options.node_triangles = 64;
   options.grouping = grouping;
   options.borders = borders;
@@ -80,7 +80,7 @@ TEST(HlodWedges, SoupsWithSeamsBuildValidateAndComeBack) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const TriangleMesh mesh = test::random_soup_with_wedges(seed);
     for (const auto& [grouping, borders] : all_kinds) {
-      BuildOptions options = small_nodes(grouping, borders);
+      HlodBuildOptions options = small_nodes(grouping, borders);
       options.node_triangles = 16;
       const Hlod hlod = build_hlod(mesh, options);
       ASSERT_EQ(validate(hlod), std::vector<std::string>{}) << "seed " << seed;
@@ -217,7 +217,7 @@ TEST(HlodWedges, ErrorsAreOfTheTextureToo) {
 
 TEST(HlodWedges, ThreadsChangeNothing) {
   const TriangleMesh mesh = striped_grid();
-  BuildOptions options = small_nodes();
+  HlodBuildOptions options = small_nodes();
   const Hlod one = build_hlod(mesh, options);
   options.threads = 2;
   const Hlod two = build_hlod(mesh, options);

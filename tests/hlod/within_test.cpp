@@ -21,7 +21,7 @@ namespace occlod::hlod {
 namespace {
 
 Hlod with_splits(const TriangleMesh& mesh, Borders borders = Borders::locked) {
-  BuildOptions options;
+  HlodBuildOptions options;
   options.node_triangles = 64;
   options.within = Within::splits;
   options.borders = borders;
@@ -129,7 +129,7 @@ TEST(Within, HalfOfTheErrorTakesSomeOfTheTriangles) {
 }
 
 TEST(Within, NodesWithoutSplitsAreTheirOwnCut) {
-  BuildOptions options;
+  HlodBuildOptions options;
   options.node_triangles = 64;
   const Hlod plain = build_hlod(occlod::test::noisy_sphere(4, 1), options);
   for (NodeId n = 0; n < plain.node_count(); ++n) {
@@ -143,7 +143,7 @@ TEST(Within, NodesWithoutSplitsAreTheirOwnCut) {
 
 TEST(Within, ChangesNothingElseThatIsBuilt) {
   const TriangleMesh mesh = occlod::test::noisy_sphere(5, 3);
-  BuildOptions options;
+  HlodBuildOptions options;
   options.node_triangles = 64;
   const Hlod plain = build_hlod(mesh, options);
   options.within = Within::splits;
@@ -155,7 +155,7 @@ TEST(Within, ChangesNothingElseThatIsBuilt) {
 }
 
 TEST(Within, TheSameBytesForAnyNumberOfThreads) {
-  BuildOptions options;
+  HlodBuildOptions options;
   options.node_triangles = 64;
   options.within = Within::splits;
   options.threads = 1;

@@ -37,7 +37,7 @@ class OhlodFixture {
     mesh_ = test::noisy_sphere(4, 1);
     for (const glm::vec3& p : mesh_.positions)
       mesh_.colors.emplace_back(glm::u8vec4(glm::vec4(p * 50.0F + 120.0F, 255.0F)));
-    hlod::BuildOptions options;
+    hlod::HlodBuildOptions options;
     options.node_triangles = 64;
     hlod_ = build_hlod(mesh_, options);
     report_.vertices_read = 1234;
@@ -54,7 +54,7 @@ class OhlodFixture {
 
   // With splits.
   [[nodiscard]] Hlod refinable() const {
-    hlod::BuildOptions options;
+    hlod::HlodBuildOptions options;
     options.node_triangles = 64;
     options.within = hlod::Within::splits;
     return build_hlod(mesh_, options);
@@ -126,7 +126,7 @@ TEST_P(OhlodTest, TexturesMaterialsAndSeamsComeBack) {
   mesh.textures[0].file = "bark.png";
   mesh.textures[1] = {"", "image/png", {1, 2, 3}, TextureWrap::clamp, TextureWrap::mirror};
   mesh.texture_origin = TextureOrigin::top_left;
-  hlod::BuildOptions options;
+  hlod::HlodBuildOptions options;
   options.node_triangles = 64;
   options.within = hlod::Within::splits;
   const Hlod built = build_hlod(mesh, options);
@@ -170,7 +170,7 @@ TEST_P(OhlodTest, ComesBackByteForByte) {
 }
 
 TEST_P(OhlodTest, KindsComeBack) {
-  hlod::BuildOptions options;
+  hlod::HlodBuildOptions options;
   options.node_triangles = 64;
   options.grouping = hlod::Grouping::nested;
   options.borders = hlod::Borders::free;
@@ -351,7 +351,7 @@ TEST_F(PackedOhlodTest, LiesInPackedNodesAreRefused) {
 }
 
 TEST_F(PackedOhlodTest, TakesFewerBytes) {
-  hlod::BuildOptions options;
+  hlod::HlodBuildOptions options;
   options.within = hlod::Within::splits;
   const Hlod hlod = build_hlod(mesh_, options);
   for (const OlodCompression compression : {OlodCompression::none, OlodCompression::zstd})

@@ -26,7 +26,7 @@ class OpenOhlodTest : public ::testing::TestWithParam<OlodCompression> {
     std::ranges::replace(name, '/', '_');
     folder_ = std::filesystem::path(::testing::TempDir()) / name;
     std::filesystem::create_directories(folder_);
-    hlod::BuildOptions options;
+    hlod::HlodBuildOptions options;
     options.node_triangles = 64;
     options.within = hlod::Within::splits;
     built_ = build_hlod(test::noisy_sphere(5, 1), options);

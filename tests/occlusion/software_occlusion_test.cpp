@@ -1,4 +1,6 @@
 // The backend `software`: what is in front is never hidden, what is behind a wall is.
+#include "raster/software_occlusion.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,9 +21,9 @@ using test::RandomShapes;
 // The eye at the origin looks along -z; f = 50 px, image 100 x 100. The wall is a square at z = -5 from -half to half.
 class WallScene {
  public:
-  explicit WallScene(float half, const SoftwareOcclusionOptions& options = {})
+  explicit WallScene(float half, bool count_pixels = false)
       : positions_{{-half, -half, -5}, {half, -half, -5}, {half, half, -5}, {-half, half, -5}},
-        backend_(make_software_occlusion(options)) {
+        backend_(make_software_occlusion(count_pixels)) {
     const std::vector<ObjectView> objects(1, ObjectView(view(), glm::dmat4(1.0)));
     backend_->begin_view(view(), objects);
     const std::vector<OccluderPart> parts = {{0, positions_, triangles_}};
@@ -91,7 +93,7 @@ TEST(SoftwareOcclusion, WhatIsLargerThanTheScreen) {
 }
 
 TEST(SoftwareOcclusion, CountsThePixelsOfTheRectangle) {
-  WallScene scene(2.0F, {.count_pixels = true});  // pixels 30 to 69, both ways
+  WallScene scene(2.0F, true);  // pixels 30 to 69, both ways
   // Faces at z = -8 and -10: 50 * x / 8 px. From x = -2.32 to 2.32: 35.5 to 64.5, so pixels 35 to 64: all behind the
   // wall.
   EXPECT_EQ(scene.ask({0, Box{{-2.32F, -2.32F, -10}, {2.32F, 2.32F, -8}}}), 0U);
@@ -132,7 +134,7 @@ TEST(SoftwareOcclusion, AnOccluderLeavesNothingBehind) {
   RandomShapes random(8);
   const View view = WallScene::view();
   const std::vector<ObjectView> objects(1, ObjectView(view, glm::dmat4(1.0)));
-  const auto used = make_software_occlusion({.count_pixels = true});
+  const auto used = make_software_occlusion(true);
   used->begin_view(view, objects);
   std::size_t hidden = 0;
   for (int n = 0; n < 60; ++n) {
@@ -141,7 +143,7 @@ TEST(SoftwareOcclusion, AnOccluderLeavesNothingBehind) {
     for (int k = 0; k < 3; ++k) positions.emplace_back(random.point(n % 3 == 0 ? 12.0 : 3.0) - glm::dvec3(0, 0, 3));
     const std::vector<Triangle> triangles = n % 7 == 6 ? std::vector<Triangle>{} : std::vector<Triangle>{{0, 1, 2}};
     const std::vector<OccluderPart> parts = {{0, positions, triangles}};
-    const auto fresh = make_software_occlusion({.count_pixels = true});
+    const auto fresh = make_software_occlusion(true);
     fresh->begin_view(view, objects);
     for (Visibility* backend : {used.get(), fresh.get()}) backend->draw_occluder(parts);
     for (int i = 0; i < 100; ++i) {

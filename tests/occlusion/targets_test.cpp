@@ -11,6 +11,7 @@
 #include "raster/depth_pyramid.h"
 #include "raster/every_target.h"
 #include "raster/screen_bounds.h"
+#include "raster/software_occlusion.h"
 
 namespace occlod {
 namespace {
@@ -195,7 +196,7 @@ TEST(Targets, AnswerTheSameTogetherAndOneByOne) {
     std::vector<std::vector<std::uint32_t>> expected;
     for_every_target([&](const char* target) {
       RandomShapes random(6);
-      const auto backend = make_software_occlusion({.count_pixels = count});
+      const auto backend = make_software_occlusion(count);
       for (std::size_t n = 0; n < 20; ++n) {
         const Scene scene = random_scene(random);
         show(*backend, scene);

@@ -251,8 +251,6 @@ class Walking(unittest.TestCase):
             walker.step((0, 0, 2), 0).triangles(2)
         with self.assertRaises(ValueError):
             occlod.VlodFile(self.cells).pack(self.folder / "x.vlod")
-        with self.assertRaisesRegex(occlod.Error, "level"):
-            occlod.VlodFile(self.cells, self.objects).pack(self.folder / "x.vlod", level=20)
         self.assertFalse((self.folder / "x.vlod").exists())
 
     def test_ten_thousand_steps_leave_nothing(self):

@@ -227,10 +227,10 @@ class Files(unittest.TestCase):
 
     def test_options_are_sent(self):
         cell = occlod.CellOptions(eyes=EYES, tolerance_px=3, occlusion=occlod.CellOcclusion.sampled, sampled_eyes=2, budget=77)
-        options = occlod.CellTreeOptions([CUBE], cell=cell, root_cell=9, smallest_cell=3, levels=4, max_triangles=5, division=occlod.CellDivision.gain, occluder_motion=0.5)
+        options = occlod.CellTreeOptions([CUBE], cell=cell, root_cell=9, smallest_cell=3, max_triangles=5, division=occlod.CellDivision.gain, occluder_motion=0.5)
         again = pickle.loads(pickle.dumps(options))
         self.assertEqual(again.regions, [CUBE])
-        for name in ("root_cell", "smallest_cell", "levels", "max_triangles", "division", "occluder_motion"):
+        for name in ("root_cell", "smallest_cell", "max_triangles", "division", "occluder_motion"):
             self.assertEqual(getattr(again, name), getattr(options, name), name)
         for name in ("tolerance_px", "occlusion", "sampled_eyes", "budget"):
             self.assertEqual(getattr(again.cell, name), getattr(cell, name), name)

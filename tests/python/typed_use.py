@@ -29,7 +29,7 @@ def use() -> None:
     wedge_materials: numpy.typing.NDArray[numpy.uint16] = frame.wedge_materials(0)
     surface: tuple[tuple[occlod.Material, ...], tuple[occlod.Texture, ...]] = frame.materials(), frame.textures()
     origin: occlod.TextureOrigin = frame.texture_origin()
-    hlod: occlod.Hlod = occlod.build_hlod(mesh, node_triangles=500, journal=pathlib.Path("a.journal"), resumed=lambda nodes: print(nodes))
+    hlod: occlod.Hlod = occlod.build_hlod(mesh, node_triangles=500, journal=pathlib.Path("a.journal"))
     print(hlod, texture_coordinates, wedge_materials, surface, origin)
     print(coordinates, box, triangles, count, objects, occlod.to_trimesh(mesh))
 

@@ -79,11 +79,8 @@ void follow_with_auto(const CameraPath& path, const std::vector<RefineObject>& o
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("occlod_scene_paths_" + std::to_string(getpid()) + ".json");
   write_calibration(file, round_calibration());
-  AutoOptions given, read;
-  given.calibration = round_calibration();
-  read.calibration = read_calibration(file);
+  AutoRefiner refiner(objects, round_calibration()), again(objects, read_calibration(file));
   std::filesystem::remove(file);
-  AutoRefiner refiner(objects, std::move(given)), again(objects, std::move(read));
   RefineOptions options;
   options.budget = std::max(budget, 2 * refiner.base_triangles());
   std::optional<std::size_t> last;

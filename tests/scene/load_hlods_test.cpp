@@ -27,8 +27,8 @@ SceneObject planet(double x, double seed = 1) {
 class LoadHlods : public test::LoadedScenes {
  protected:
   std::vector<LoadedHlod> load(const SceneDescription& scene) {
-    auto options = noting_options<HlodLoadOptions>();
-    options.build.node_triangles = node_triangles_;
+    LoadOptions options = noting_options();
+    options.build_hlod.node_triangles = node_triangles_;
     return load_hlods(scene, folder(), options);
   }
 

@@ -30,7 +30,7 @@ SceneObject small_planet(double seed = 1) { return planet(level, seed); }
 class LoadObjects : public test::LoadedScenes {
  protected:
   std::vector<LoadedObject> load(const SceneDescription& scene) {
-    auto options = noting_options<LoadOptions>();
+    LoadOptions options = noting_options();
     options.build.base_triangles = base_triangles_;
     return load_objects(scene, folder(), options);
   }

@@ -20,10 +20,9 @@ namespace occlod::test {
 
 class LoadedScenes : public SceneFolder {
  protected:
-  // LoadOptions or HlodLoadOptions that write down what is told meanwhile.
-  template <class Options>
-  [[nodiscard]] Options noting_options() {
-    Options options;
+  // They write down what is told meanwhile.
+  [[nodiscard]] LoadOptions noting_options() {
+    LoadOptions options;
     options.note = [this](const std::string& line) { notes_.push_back(line); };
     options.progress = [this](const std::string&, double) { ++progress_; };
     options.use_cache = use_cache_;

@@ -30,7 +30,7 @@ hlod::TriangleSource stream(const std::string& file) {
 }
 
 std::string built(const hlod::TriangleSource& source) {
-  hlod::BuildOptions options;
+  hlod::HlodBuildOptions options;
   options.node_triangles = 64;
   MeshReport report;
   return hlod::test::bytes_of(build_hlod(source, options, report));

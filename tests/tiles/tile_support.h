@@ -54,7 +54,7 @@ class Folder {
 
 [[nodiscard]] inline hlod::Hlod nested_hlod(const TriangleMesh& mesh, std::uint32_t node_triangles = 64,
                                             hlod::Borders borders = hlod::Borders::free) {
-  hlod::BuildOptions options;
+  hlod::HlodBuildOptions options;
   options.node_triangles = node_triangles;
   options.grouping = hlod::Grouping::nested;
   options.borders = borders;

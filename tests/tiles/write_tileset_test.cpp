@@ -87,7 +87,6 @@ TEST(WriteTileset, RefusesBadOptions) {
       {"quantise_bits", [](TilesetOptions& o) { o.quantise_bits = 7; }},
       {"quantise_bits", [](TilesetOptions& o) { o.quantise_bits = 17; }},
       {"quantise_bits", [](TilesetOptions& o) { o.quantise_bits = -1; }},
-      {"tiles_per_file", [](TilesetOptions& o) { o.tiles_per_file = 0; }},
       {"longitude_deg",
        [](TilesetOptions& o) {
          o.origin = {180.5, 0.0, 0.0};

@@ -8,7 +8,7 @@ import unittest
 from tool_case import OCCLOD, TRIANGLES, ToolTest
 
 # Eight root cells beside a planet of radius 1.
-SPACE = ["--region", "1.5,-0.5,-0.5,2.5,0.5,0.5", "--root-cell", 0.5, "--smallest-cell", 0.125, "--eyes", "320x240,60,0.01", "--tolerance", 1.5]
+SPACE = ["--region", "1.5,-0.5,-0.5,2.5,0.5,0.5", "--root-cell", 0.5, "--smallest-cell", 0.125, "--image", "320x240,60,0.01", "--tolerance", 1.5]
 # Four root cells in a row away from it: what is farther draws less than half, so some are divided.
 DIVIDED = ["--region", "1.5,-4,-4,33.5,4,4", "--root-cell", 8, "--smallest-cell", 1, *SPACE[6:], "--max-triangles", 100]
 
@@ -26,7 +26,7 @@ class Cells(ToolTest):
 
     def test_build_reports(self):
         built = self.build(*SPACE)
-        self.assert_has_keys(built, "input file root_cells cuts tolerance_px budget occlusion focal_length_px near occluder_motion root_cell smallest_cell levels max_triangles division "
+        self.assert_has_keys(built, "input file root_cells cuts tolerance_px budget occlusion focal_length_px near occluder_motion root_cell smallest_cell max_triangles division "
                                     "regions objects cells nodes depth above_most_triangles above_by drawn_mean drawn_median drawn_max triangles_mean error_px splits "
                                     "hidden_faces file_bytes payload_bytes bytes_per_cell bits_per_id teleport_bytes_max crossing_bytes_mean crossing_bytes_max "
                                     "packed hierarchy_bytes bytes_over_hierarchies cpu_s_per_cell cpu_s build_ms peak_bytes")
@@ -122,9 +122,9 @@ class Cells(ToolTest):
     def test_pack(self):
         built = self.build(*DIVIDED)
         packed = self.json_of("cells", "pack", "planet.vlod", "planet.olod", "-o", "packed.vlod")
-        self.assert_has_keys(packed, "input file level cells packed geometry_splits geometry_bytes geometry_raw_bytes geometry_frames unpacked_bytes file_bytes hierarchy_bytes "
+        self.assert_has_keys(packed, "input file cells packed geometry_splits geometry_bytes geometry_raw_bytes geometry_frames unpacked_bytes file_bytes hierarchy_bytes "
                                      "bytes_over_hierarchies pack_ms")
-        self.assertEqual((packed["packed"], packed["level"], packed["unpacked_bytes"]), (True, 12, built["file_bytes"]))
+        self.assertEqual((packed["packed"], packed["unpacked_bytes"]), (True, built["file_bytes"]))
         self.assertEqual(packed["file_bytes"], (self.folder / "packed.vlod").stat().st_size)
         for key in ("cells", "nodes", "drawn_mean", "splits", "hidden_faces", "hierarchy_bytes"):
             self.assertEqual(packed[key], built[key], key)
@@ -132,10 +132,8 @@ class Cells(ToolTest):
         self.assertLess(packed["bits_per_id"], built["bits_per_id"])
         told = self.json_of("cells", "info", "packed.vlod", "--check")
         self.assertEqual((told["format"], told["geometry_bytes"]), (2, packed["geometry_bytes"]))
-        plain = self.json_of("cells", "pack", "planet.vlod", "planet.olod", "-o", "plain.vlod", "--level", 0)
-        self.assertEqual(plain["geometry_bytes"], plain["geometry_raw_bytes"])
-        self.assertGreater(plain["file_bytes"], packed["file_bytes"])
-        self.succeed("cells", "pack", "plain.vlod", "planet.olod", "-o", "again.vlod")
+        self.assertLess(packed["geometry_bytes"], packed["geometry_raw_bytes"])
+        self.succeed("cells", "pack", "packed.vlod", "planet.olod", "-o", "again.vlod")
         self.assertTrue(self.same_bytes("packed.vlod", "again.vlod"))
         checked = self.json_of("cells", "check", "packed.vlod", "planet.olod", "--cells", 2, "--eyes", 2, "--image-size", 32)
         self.assertEqual(checked["unexplained"], 0)

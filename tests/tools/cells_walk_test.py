@@ -26,7 +26,7 @@ class Walk(ToolTest):
         super().setUp()
         self.make_hierarchy()
         self.write_scene(json.dumps(SCENE))
-        self.json_of("cells", "build", "scene.json", "-o", "a.vlod", "--eyes", "96x72,60,0.01")
+        self.json_of("cells", "build", "scene.json", "-o", "a.vlod", "--image", "96x72,60,0.01")
 
     def walk(self, path, *options):
         return self.json_of("cells", "walk", "a.vlod", "scene.json", "--path", path, *options)

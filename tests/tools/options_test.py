@@ -41,7 +41,6 @@ WHOLE = [
     (CELLS_CHECK, "--image-size", 1, 8192),
     (CELLS_CHECK, "--seed", 0, SEEDS),
     (CELLS_CHECK, "--threads", 0, 1024),
-    (CELLS_PACK, "--level", 0, 19),
     (CELLS_WALK, "--memory", 1, SEEDS),
     (CELLS_WALK, "--every", 1, 10**6),
     (RENDER, "--budget", 1, LARGEST),
@@ -109,7 +108,7 @@ class Options(ToolTest):
         for value in ("", "3", "0x3", "3x0", "-3x3", "3x3x3", "16385x3", "3x16385", "99999999999x3", "axb", "3 x 3"):
             for command in (RENDER, HLOD_RENDER):
                 self.assert_refused(command, "--size", value, "1x1", "16384x16384")
-        for option, values in (("--eyes", ("", "640x480", "640x480,60", "0x480,60,0.1", "640x480,180,0.1", "640x480,0,0.1", "640x480,60,0", "640x480,60,nan", "640x480,60,0.1,2")),
+        for option, values in (("--image", ("", "640x480", "640x480,60", "0x480,60,0.1", "640x480,180,0.1", "640x480,0,0.1", "640x480,60,0", "640x480,60,nan", "640x480,60,0.1,2")),
                                ("--region", ("", "1,2,3", "0,0,0,1,1", "0,0,0,1,1,x", "0,0,0,1,inf,1", "0,0,2,1,1,1", "0,0,0,1,1,1,1")),
                                ("--shard", ("", "1", "0/3", "4/3", "1/0", "-1/3", "1/3x", "1/1000001"))):
             for value in values:

@@ -15,7 +15,7 @@ std::array<Hlod, 2> in_both_groupings(const TriangleMesh& mesh) {
 }  // namespace
 
 Hlod small_hlod(const TriangleMesh& mesh, Grouping grouping) {
-  BuildOptions options;
+  HlodBuildOptions options;
   options.node_triangles = 64;
   options.grouping = grouping;
   options.borders = grouping == Grouping::nested ? Borders::free : Borders::locked;

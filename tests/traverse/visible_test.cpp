@@ -129,7 +129,7 @@ TEST(NothingVisibleIsLost, WhileObjectsMove) {
 TEST(VisibleFront, EveryStrategyDrawsASupersetOfIt) {
   const Hlod& hlod = city(Grouping::shifted);
   const PlacedHlod placed{&hlod};
-  SoftwareDevice with_items({.items = true}), oracle;
+  SoftwareDevice with_items(true), oracle;
   for (const TrialStrategy strategy : strategies()) {
     VirtualDevice late(device_preset("query-dear"));
     TrialTraverser waiting({&placed, 1}), tested({&placed, 1});

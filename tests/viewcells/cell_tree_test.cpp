@@ -23,7 +23,6 @@ CellTreeOptions two_regions() {
   options.regions = {{{0, 0, 0}, {50, 30, 2}}, {{60, 0, 0}, {70, 10, 2}}};
   options.root_cell = 10.0;
   options.smallest_cell = 1.0;
-  options.levels = 3;
   options.max_triangles = 100;
   return options;
 }
@@ -70,9 +69,9 @@ TEST(CellDivision, StopsAtEveryLimit) {
   const glm::dvec3 dear{0.1, 0.1, 0.1};
   // 1080 drawn, so it is divided down to a cell of 1 round the dear point: 8 -> 4 -> 2 -> 1. The other parts draw 40.
   EXPECT_EQ(leaves_of(divided(options, root, dear)).size(), 3U * 3U + 1U);
-  options.levels = 2;
-  EXPECT_EQ(leaves_of(divided(options, root, dear)).size(), 2U * 3U + 1U);
-  options.levels = 3;
+  // Ten times at most: a cell of 1 is a cube, which is cut into eight.
+  options.smallest_cell = 1e-9;
+  EXPECT_EQ(leaves_of(divided(options, root, dear)).size(), 3U * 3U + 7U * 7U + 1U);
   options.smallest_cell = 1.5;
   EXPECT_EQ(leaves_of(divided(options, root, dear)).size(), 2U * 3U + 1U);
   options.max_triangles = 1080;

@@ -45,7 +45,7 @@ class CellWalkerTest : public testing::Test {
   static void SetUpTestSuite() {
     const std::filesystem::path folder = make_folder();
     const test::SmallCells scene;
-    CellBuild(scene.objects(), walk_options()).write(folder / "cells.vlod", {.threads = 1});
+    CellBuild(scene.objects(), walk_options()).write(folder / "cells.vlod", 1);
     file_bytes = test::bytes_of_file(folder / "cells.vlod");
     std::filesystem::remove_all(folder);
   }
@@ -67,12 +67,7 @@ class CellWalkerTest : public testing::Test {
     options.max_triangles = 100;
     return options;
   }
-  [[nodiscard]] WalkOptions by_hand() {
-    WalkOptions options;
-    options.loaders = 0;
-    options.note = [this](const std::string& line) { notes_.push_back(line); };
-    return options;
-  }
+  [[nodiscard]] static WalkOptions by_hand() { return {.loaders = 0}; }
   static void load_all(CellLoader& loader) {
     while (loader.begin()) loader.finish();
   }
@@ -86,6 +81,7 @@ class CellWalkerTest : public testing::Test {
   }
   // Whatever happens, something is drawn, it is of a node on the path to the eye, and memory is kept.
   void expect_sound(const WalkedFrame& frame, std::size_t memory) {
+    notes_.insert(notes_.end(), frame.notes.begin(), frame.notes.end());
     EXPECT_GT(frame.drawn_triangles, 0U);
     EXPECT_LE(frame.resident_bytes, memory);
     EXPECT_EQ(file_->tree().common_ancestor(frame.shown, frame.cell), frame.shown);
@@ -153,9 +149,9 @@ TEST_F(CellWalkerTest, HasNeighboursAndWhatIsAheadBeforeTheyAreEntered) {
 
 // The control: what makes frames late, and what is drawn in them.
 TEST_F(CellWalkerTest, IsLateWithoutPrefetch) {
-  WalkOptions options = by_hand();
-  options.prefetch = false;
+  const WalkOptions options = by_hand();
   CellWalker walker(file_, objects_, options);
+  walker.set_trial({.prefetch = false});
   CellLoader loader(walker);
   std::size_t late = 0, crossed = 0;
   for (const glm::dvec3& eye : walk_in(options_.regions[0], 0.01)) {
@@ -176,14 +172,12 @@ TEST_F(CellWalkerTest, IsLateWithoutPrefetch) {
 TEST_F(CellWalkerTest, IsInTimeOnADiskThatIsFastEnough) {
   const auto late_frames = [&](double latency, bool prefetch) {
     double clock = 0.0, now = 0.0;
-    WalkOptions options = by_hand();
-    options.prefetch = prefetch;
-    bool is_open = false;  // the root is read before the walk
-    options.reader = tool::throttled(
-        [&](CellId cell, std::span<const CellAdditions* const> above) { return file_->read(cell, above); }, *file_,
-        {1e6, latency}, [&](double seconds) { clock += is_open ? seconds : 0.0; });
-    CellWalker walker(file_, objects_, options);
-    is_open = true;
+    CellWalker walker(file_, objects_, by_hand());
+    walker.set_trial(
+        {.reader = tool::throttled(
+             [&](CellId cell, std::span<const CellAdditions* const> above) { return file_->read(cell, above); }, *file_,
+             {1e6, latency}, [&](double seconds) { clock += seconds; }),
+         .prefetch = prefetch});
     CellLoader loader(walker);
     bool under_way = false;
     std::size_t late = 0;
@@ -330,14 +324,14 @@ TEST_F(CellWalkerTest, TriesAgainAfterErrorsOfTheDisk) {
   for (const int failures : {1, 2, 3, 1000}) {
     notes_.clear();
     int left = failures, reads = 0;
-    WalkOptions options = by_hand();
-    options.reader = [&](CellId cell, std::span<const CellAdditions* const> above) {
+    const WalkOptions options = by_hand();
+    CellWalker walker(file_, objects_, options);
+    walker.set_trial({.reader = [&](CellId cell, std::span<const CellAdditions* const> above) {
       reads += cell == bad ? 1 : 0;
       if (cell == bad && left-- > 0)
         throw Error({"cells.vlod", "cell", "cannot be read: Input/output error", "check the disk"});
       return file_->read(cell, above);
-    };
-    CellWalker walker(file_, objects_, options);
+    }});
     CellLoader loader(walker);
     bool shown = false, missing = false;
     for (int i = 0; i < 100; ++i) {
@@ -361,12 +355,12 @@ TEST_F(CellWalkerTest, GoesOnWithADamagedFile) {
   const glm::dvec3 eye = options_.regions[0].max;
   const CellId bad = tree.node(tree.leaf_of(eye)).parent;
   ASSERT_NE(bad, 0U) << "a node between root and leaf";
-  WalkOptions options = by_hand();
-  options.reader = [&](CellId cell, std::span<const CellAdditions* const> above) {
+  const WalkOptions options = by_hand();
+  CellWalker walker(file_, objects_, options);
+  walker.set_trial({.reader = [&](CellId cell, std::span<const CellAdditions* const> above) {
     if (cell == bad) throw std::system_error(std::make_error_code(std::errc::io_error));
     return file_->read(cell, above);
-  };
-  CellWalker walker(file_, objects_, options);
+  }});
   CellLoader loader(walker);
   for (int i = 0; i < 40; ++i) {
     const WalkedFrame& frame = walker.step(eye, 0.1);
@@ -419,20 +413,17 @@ TEST_F(CellWalkerTest, NeverWaitsForTheDisk) {
   std::mutex mutex;
   std::condition_variable changed;
   bool open = false, asked = false;
-  WalkOptions options;
-  options.loaders = 2;
-  bool is_root = true;
-  options.reader = [&](CellId cell, std::span<const CellAdditions* const> above) {
-    if (!is_root) {
+  const WalkOptions options{.loaders = 2};
+  CellWalker walker(file_, objects_, options);
+  walker.set_trial({.reader = [&](CellId cell, std::span<const CellAdditions* const> above) {
+    {
       std::unique_lock lock(mutex);
       asked = true;
       changed.notify_all();
       changed.wait(lock, [&] { return open; });
     }
     return file_->read(cell, above);
-  };
-  CellWalker walker(file_, objects_, options);
-  is_root = false;
+  }});
   const std::vector<glm::dvec3> eyes = walk_in(options_.regions[0], 0.02);
   walker.step(eyes[0], 0.1);
   {
@@ -470,7 +461,7 @@ TEST_F(CellWalkerTest, DrawsWhatIsInTheFrustum) {
       camera.near = 0.01;
       camera.far = 100.0;
       const View view(camera);
-      std::vector<DrawRange> ranges;
+      std::vector<ObjectRange> ranges;
       ranges_in_view(frame, objects_, view, ranges);
       std::vector<DrawObject> whole, parts;
       for (std::size_t i = 0; i < 3; ++i) {
@@ -478,7 +469,7 @@ TEST_F(CellWalkerTest, DrawsWhatIsInTheFrustum) {
             {objects_[i].hierarchy->positions(), {}, frame.objects[i].triangles, objects_[i].object_to_world});
         all += frame.objects[i].triangles.size();
       }
-      for (const DrawRange& range : ranges) {
+      for (const ObjectRange& range : ranges) {
         parts.push_back(whole[range.object]);
         parts.back().triangles = parts.back().triangles.subspan(range.first, range.count);
         some += range.count;

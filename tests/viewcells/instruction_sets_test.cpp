@@ -18,7 +18,7 @@ TEST(InstructionSets, GiveTheSameBytes) {
   std::string first;
   int sets = 0;
   test::for_every_target([&](const char* target) {
-    CellBuild(scene.objects(), test::SmallCells::options()).write(folder / "cells.vlod", {.threads = 1});
+    CellBuild(scene.objects(), test::SmallCells::options()).write(folder / "cells.vlod", 1);
     const std::string bytes = test::bytes_of_file(folder / "cells.vlod");
     if (sets++ == 0) first = bytes;
     EXPECT_TRUE(bytes == first) << target;

@@ -77,10 +77,10 @@ class PackCells : public testing::Test {
     options.root_cell = 0.25;
     options.max_triangles = 100;
     options.cell.tolerance_px = 0.25;  // enough for several frames
-    CellBuild(scene->objects(), options).write(folder / "cells.vlod", {.threads = 1});
+    CellBuild(scene->objects(), options).write(folder / "cells.vlod", 1);
     cells = open_vlod(folder / "cells.vlod", scene->objects());
     pack_cells(*cells, scene->objects(), folder / "packed.vlod");
-    pack_cells(*cells, scene->objects(), folder / "plain.vlod", {.level = 0});
+    vlod::pack_cells(*cells, scene->objects(), folder / "plain.vlod", {}, 0);
     packed = open_vlod(folder / "packed.vlod");
     good = test::bytes_of_file(folder / "packed.vlod");
     plain = test::bytes_of_file(folder / "plain.vlod");
@@ -203,10 +203,9 @@ TEST_F(PackCells, HoldWhatCellsApply) {
 // Frame by frame beside a walk with hierarchies: the same cells at the same time, drawn alike, whatever is late.
 TEST_F(PackCells, AreWalkedThroughAlike) {
   for (const bool prefetch : {true, false}) {
-    WalkOptions options;
-    options.loaders = 0;
-    options.prefetch = prefetch;
-    CellWalker expected(cells, scene->objects(), options), found(packed, options);
+    CellWalker expected(cells, scene->objects(), {.loaders = 0}), found(packed, {.loaders = 0});
+    expected.set_trial({.prefetch = prefetch});
+    found.set_trial({.prefetch = prefetch});
     CellLoader expected_loader(expected), found_loader(found);
     std::size_t late = 0, crossed = 0;
     std::uint64_t read = 0;
@@ -316,22 +315,19 @@ TEST_F(PackCells, TellWhatIsReadOfThem) {
     seconds += s;
     ++waited;
   });
-  WalkOptions options;
-  options.loaders = 0;
-  options.before_geometry = [&](std::uint64_t bytes) {
+  CellWalker walker(packed, {.loaders = 0});
+  walker.set_trial({.before_geometry = [&](std::uint64_t bytes) {
     told += bytes;
     wait(bytes);
-  };
-  CellWalker walker(packed, options);
+  }});
   CellLoader loader(walker);
-  const std::uint64_t at_first = told, reads_at_first = waited;
   walker.step({0.2, 0.0, 0.0}, 0.0);
   while (loader.begin()) loader.finish();
   const std::uint64_t read = walker.step({0.2, 0.0, 0.0}, 0.0).bytes_read;
   EXPECT_NEAR(seconds, 0.5 * static_cast<double>(waited) + 1e-6 * static_cast<double>(told), 1e-9);
-  EXPECT_GT(waited, reads_at_first);
+  EXPECT_GT(waited, 0U);
   EXPECT_LE(told, packed->packed_counts().bytes) << "no frame is read twice while there is memory";
-  EXPECT_GT(read, told - at_first) << "payloads come on top";
+  EXPECT_GT(read, told) << "payloads come on top";
   EXPECT_THROW(static_cast<void>(tool::throttled_geometry({0.0, 0.0}, [](double) {})), Error);
 }
 
@@ -350,11 +346,8 @@ TEST_F(PackCells, ShowAncestorsWhereTheyAreDamaged) {
   ASSERT_FALSE(lost.empty());
   ASSERT_FALSE(lost.contains(0));
   const FileOf in_memory(bad);
-  std::vector<std::string> notes;
-  WalkOptions options;
-  options.loaders = 0;
-  options.note = [&](const std::string& line) { notes.push_back(line); };
-  CellWalker walker(open_vlod(in_memory.path()), options);
+  std::size_t notes = 0;
+  CellWalker walker(open_vlod(in_memory.path()), {.loaders = 0});
   CellLoader loader(walker);
   std::size_t shown = 0, missing = 0;
   for (CellId n = 0; n < packed->tree().nodes().size(); ++n) {
@@ -362,7 +355,7 @@ TEST_F(PackCells, ShowAncestorsWhereTheyAreDamaged) {
     const CellBox& box = packed->tree().node(n).box;
     const glm::dvec3 eye = 0.5 * (box.min + box.max);
     for (int i = 0; i < 40; ++i) {
-      walker.step(eye, 0.1);
+      notes += walker.step(eye, 0.1).notes.size();
       while (loader.begin()) loader.finish();
     }
     const WalkedFrame& frame = walker.step(eye, 0.0);
@@ -373,7 +366,7 @@ TEST_F(PackCells, ShowAncestorsWhereTheyAreDamaged) {
   }
   EXPECT_GT(missing, 0U);
   EXPECT_GT(shown, 0U);
-  EXPECT_FALSE(notes.empty());
+  EXPECT_GT(notes, 0U);
 }
 
 TEST_F(PackCells, CutShortAreRefused) {
@@ -485,8 +478,6 @@ TEST_F(PackCells, SayWhatTheyAreNotFor) {
   CellWalker beside(open_vlod(folder / "packed.vlod", scene->objects()), scene->objects(), {.loaders = 0});
   EXPECT_GT(beside.step({0.2, 0.0, 0.0}, 0.0).drawn_triangles, 0U);
   EXPECT_THROW(pack_cells(*packed, scene->objects(), folder / "x.vlod"), Error);
-  EXPECT_THROW(pack_cells(*cells, scene->objects(), folder / "x.vlod", {.level = 20}), Error);
-  EXPECT_THROW(pack_cells(*cells, scene->objects(), folder / "x.vlod", {.level = -1}), Error);
   EXPECT_FALSE(std::filesystem::exists(folder / "x.vlod"));
 }
 
@@ -494,18 +485,16 @@ TEST_F(PackCells, CancellingLeavesTheOldFile) {
   const std::filesystem::path path = folder / "packed.vlod";
   for (const int most : {0, 1, 20}) {
     int calls = 0;
-    EXPECT_THROW(
-        pack_cells(*cells, scene->objects(), path, {.level = 1, .progress = [&](double) { return calls++ < most; }}),
-        Error);
+    EXPECT_THROW(pack_cells(*cells, scene->objects(), path, [&](double) { return calls++ < most; }), Error);
     EXPECT_EQ(calls, most + 1);
     EXPECT_EQ(test::bytes_of_file(path), good);
   }
   double last = -1.0;
-  pack_cells(*cells, scene->objects(), folder / "again.vlod", {.progress = [&](double done) {
+  pack_cells(*cells, scene->objects(), folder / "again.vlod", [&](double done) {
     EXPECT_GE(done, last);
     last = done;
     return true;
-  }});
+  });
   EXPECT_EQ(last, 1.0);
 }
 

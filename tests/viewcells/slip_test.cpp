@@ -157,7 +157,7 @@ class CellSlipFiles : public CellSlip {
 TEST_F(CellSlipFiles, IsAnErrorOfCoarseFrames) {
   for (const bool attributes : {false, true}) {
     const auto placed = objects(attributes);
-    CellBuild(placed, tree_options()).write(folder_ / "cells.vlod", {.threads = 1});
+    CellBuild(placed, tree_options()).write(folder_ / "cells.vlod", 1);
     const auto file = open_vlod(folder_ / "cells.vlod", placed);
     pack_cells(*file, placed, folder_ / "packed.vlod");
     WalkOptions options;
@@ -185,8 +185,8 @@ TEST_F(CellSlipFiles, IsAnErrorOfCoarseFrames) {
 // Files say whether attributes counted, and are refused where that has changed.
 TEST_F(CellSlipFiles, IsPartOfTheScene) {
   const auto with = objects(true), without = objects(false);
-  CellBuild(with, tree_options()).write(folder_ / "with.vlod", {.threads = 1});
-  CellBuild(without, tree_options()).write(folder_ / "without.vlod", {.threads = 1});
+  CellBuild(with, tree_options()).write(folder_ / "with.vlod", 1);
+  CellBuild(without, tree_options()).write(folder_ / "without.vlod", 1);
   EXPECT_NE(open_vlod(folder_ / "with.vlod")->key(), open_vlod(folder_ / "without.vlod")->key());
   static_cast<void>(open_vlod(folder_ / "with.vlod", with));
   static_cast<void>(open_vlod(folder_ / "without.vlod", without));
@@ -203,9 +203,9 @@ TEST_F(CellSlipFiles, IsPartOfTheScene) {
 TEST_F(CellSlipFiles, ConcernsMeshesWithAttributesOnly) {
   const test::SmallCells small;
   auto placed = small.objects();
-  CellBuild(placed, test::SmallCells::options()).write(folder_ / "with.vlod", {.threads = 1});
+  CellBuild(placed, test::SmallCells::options()).write(folder_ / "with.vlod", 1);
   for (RefineObject& object : placed) object.attributes = false;
-  CellBuild(placed, test::SmallCells::options()).write(folder_ / "without.vlod", {.threads = 1});
+  CellBuild(placed, test::SmallCells::options()).write(folder_ / "without.vlod", 1);
   EXPECT_EQ(test::bytes_of_file(folder_ / "with.vlod"), test::bytes_of_file(folder_ / "without.vlod"));
 }
 

@@ -35,7 +35,6 @@ class SmallCells {
     options.regions = {{{0.1, -0.5, -0.25}, {0.6, 0.5, 0.25}}, {{-0.3, -1.5, 0.0}, {0.7, -1.25, 0.25}}};
     options.root_cell = 0.5;
     options.smallest_cell = 0.125;
-    options.levels = 2;
     options.max_triangles = 300;
     options.division = CellDivision::gain;
     options.occluder_motion = 0.01;

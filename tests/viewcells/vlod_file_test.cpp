@@ -34,7 +34,7 @@ class VlodFileTest : public testing::Test {
               ("vlod_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     std::filesystem::create_directories(folder_);
     good_ = folder_ / "good.vlod";
-    CellBuild(objects_, options_).write(good_, {.threads = 1});
+    CellBuild(objects_, options_).write(good_, 1);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
@@ -136,7 +136,6 @@ TEST_F(VlodFileTest, SaysWhatItWasBuiltWith) {
   EXPECT_EQ(file->options().regions, options_.regions);
   EXPECT_EQ(file->options().root_cell, 0.5);
   EXPECT_EQ(file->options().smallest_cell, 0.125);
-  EXPECT_EQ(file->options().levels, 2U);
   EXPECT_EQ(file->options().max_triangles, 300U);
   EXPECT_EQ(file->options().division, CellDivision::gain);
   EXPECT_EQ(file->options().occluder_motion, 0.01);
@@ -169,7 +168,7 @@ TEST_F(VlodFileTest, HasTheSameBytesForAnyNumberOfThreadsAndParts) {
   const std::string good = test::bytes_of_file(good_);
   CellBuild build(objects_, options_);
   for (const int threads : {2, 3}) {
-    build.write(folder_ / "again.vlod", {.threads = threads});
+    build.write(folder_ / "again.vlod", threads);
     EXPECT_EQ(test::bytes_of_file(folder_ / "again.vlod"), good) << threads << " threads";
   }
   for (const std::uint32_t shards : {1U, 3U, 7U, 64U}) {
@@ -178,7 +177,7 @@ TEST_F(VlodFileTest, HasTheSameBytesForAnyNumberOfThreadsAndParts) {
       const CellRange range = build.shard(i, shards);
       if (range.count == 0) continue;
       parts.push_back(folder_ / build.part_name(range));
-      build.write_part(parts.back(), range, {.threads = 1 + static_cast<int>(i % 2)});
+      build.write_part(parts.back(), range, 1 + static_cast<int>(i % 2));
     }
     EXPECT_EQ(parts.size(), std::min(shards, build.root_cell_count()));
     merge_cells(parts, folder_ / "merged.vlod");
@@ -246,19 +245,19 @@ TEST_F(VlodFileTest, MergingSaysWhatIsWrong) {
 TEST_F(VlodFileTest, CancellingLeavesTheOldFile) {
   const std::string good = test::bytes_of_file(good_);
   int calls = 0;
-  EXPECT_THROW(CellBuild(objects_, options_).write(good_, {1, [&](double) { return ++calls < 2; }}), Error);
+  EXPECT_THROW(CellBuild(objects_, options_).write(good_, 1, [&](double) { return ++calls < 2; }), Error);
   EXPECT_EQ(calls, 2);
   EXPECT_EQ(test::bytes_of_file(good_), good);
   const auto throws = [](double) -> bool { throw std::runtime_error("from the caller"); };
-  EXPECT_THROW(CellBuild(objects_, options_).write(good_, {3, throws}), std::runtime_error);
+  EXPECT_THROW(CellBuild(objects_, options_).write(good_, 3, throws), std::runtime_error);
   EXPECT_EQ(test::bytes_of_file(good_), good);
   double last = -1.0;
-  CellBuild(objects_, options_).write(good_, {1, [&](double done) {
-                                                EXPECT_GE(done, last);
-                                                EXPECT_LE(done, 1.0);
-                                                last = done;
-                                                return true;
-                                              }});
+  CellBuild(objects_, options_).write(good_, 1, [&](double done) {
+    EXPECT_GE(done, last);
+    EXPECT_LE(done, 1.0);
+    last = done;
+    return true;
+  });
   EXPECT_EQ(test::bytes_of_file(good_), good);
   EXPECT_NEAR(last, 1.0, 1e-9);
 }
@@ -275,7 +274,6 @@ TEST_F(VlodFileTest, BadOptionsAreRefused) {
   refused([](CellTreeOptions& o) { o.root_cell = 0.0; });
   refused([](CellTreeOptions& o) { o.root_cell = 1e-9; });
   refused([](CellTreeOptions& o) { o.smallest_cell = -1.0; });
-  refused([](CellTreeOptions& o) { o.levels = 33; });
   refused([](CellTreeOptions& o) { o.division = static_cast<CellDivision>(7); });
   refused([](CellTreeOptions& o) { o.occluder_motion = -0.5; });
   refused([](CellTreeOptions& o) { o.cell.tolerance_px = 0.0; });
@@ -284,7 +282,7 @@ TEST_F(VlodFileTest, BadOptionsAreRefused) {
   refused([](CellTreeOptions& o) { o.cell.sampled_eyes = 0; });
   const RefineObject missing[] = {RefineObject{}};
   EXPECT_THROW(CellBuild(missing, options_), Error);
-  EXPECT_THROW(CellBuild(objects_, options_).write(good_, {.threads = -1}), Error);
+  EXPECT_THROW(CellBuild(objects_, options_).write(good_, -1), Error);
 }
 
 TEST_F(VlodFileTest, ChangedScenesAreRefusedByName) {

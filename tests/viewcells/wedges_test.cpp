@@ -13,6 +13,7 @@
 #include <string>
 #include <tuple>
 
+#include "cells/packed_geometry.h"
 #include "cells/vlod_format.h"
 #include "occlod/base.h"
 #include "occlod/build_cells.h"
@@ -130,10 +131,10 @@ class CellWedges : public testing::Test {
     std::string pattern = (std::filesystem::temp_directory_path() / "occlod-cell-wedges-XXXXXX").string();
     folder = mkdtemp(pattern.data());
     scene = std::make_unique<Scene>();
-    CellBuild(scene->objects(), Scene::options()).write(folder / "cells.vlod", {.threads = 1});
+    CellBuild(scene->objects(), Scene::options()).write(folder / "cells.vlod", 1);
     cells = open_vlod(folder / "cells.vlod", scene->objects());
     pack_cells(*cells, scene->objects(), folder / "packed.vlod");
-    pack_cells(*cells, scene->objects(), folder / "plain.vlod", {.level = 0});
+    vlod::pack_cells(*cells, scene->objects(), folder / "plain.vlod", {}, 0);
     packed = open_vlod(folder / "packed.vlod");
     plain = test::bytes_of_file(folder / "plain.vlod");
   }
@@ -321,7 +322,7 @@ TEST_F(CellWedges, DoNotChangeTheHashOfMeshesWithoutThem) {
 TEST_F(CellWedges, CostNothingWhereThereAreNone) {
   const test::SmallCells small;
   const auto objects = small.objects();
-  CellBuild(objects, test::SmallCells::options()).write(folder / "small.vlod", {.threads = 1});
+  CellBuild(objects, test::SmallCells::options()).write(folder / "small.vlod", 1);
   const auto file = open_vlod(folder / "small.vlod", objects);
   pack_cells(*file, objects, folder / "small_packed.vlod");
   EXPECT_EQ(open_vlod(folder / "small_packed.vlod")->version(), 2U);

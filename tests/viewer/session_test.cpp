@@ -201,9 +201,7 @@ TEST_F(SessionTest, AutoChoosesAsTheLibraryDoes) {
     const std::vector<std::uint64_t> hashes = played(session_);
     const PlacedObject& object = session_.state().objects->at(0);
     const RefineObject objects[] = {{object.mesh->hierarchy.get(), object.object_to_world, object.two_sided}};
-    AutoOptions options;
-    options.calibration = first->calibration;
-    AutoRefiner refiner(objects, std::move(options));
+    AutoRefiner refiner(objects, first->calibration);
     for (int i = 0; i < 5; ++i) {
       const View view(camera_at(session_.state().paths.at("by"), i));
       const RefineOptions& wanted = session_.state().settings.refine;

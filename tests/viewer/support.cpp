@@ -43,7 +43,7 @@ nlohmann::json planet_scene(int level) {
 }
 
 std::filesystem::path write_city(const Folder& folder) {
-  hlod::BuildOptions options;
+  hlod::HlodBuildOptions options;
   options.node_triangles = 64;
   options.within = hlod::Within::splits;
   write_ohlod(folder.path("city.ohlod"),
@@ -78,7 +78,7 @@ std::filesystem::path write_street_cells(const Folder& folder, const Objects& ob
   options.cell.eyes = eye_model(View(camera));
   options.regions = {{{60.0, 176.0, 1.0}, {100.0, 186.0, 2.5}}};
   options.root_cell = 10.0;
-  options.levels = 0;
+  options.max_triangles = 1'000'000;  // no cell is divided
   CellBuild(refine_objects(objects), options).write(folder.path("city.vlod"));
   return folder.path("city.vlod");
 }

@@ -52,9 +52,7 @@ void CellsBench::forget() {
 void CellsBench::place(const RefineJob& job) {
   if (walk_ && job.cells == cells_ && is_same_walk(job.walk, settings_) && !job.from_scratch) return;
   forget();
-  tool::CellWalkOptions options = options_of(job.walk);
-  options.note = [this](const std::string& line) { note_ = {++notes_, line}; };
-  walk_.emplace(job.cells->file, refine_objects(*job.cells->objects), options);
+  walk_.emplace(job.cells->file, refine_objects(*job.cells->objects), options_of(job.walk));
   cells_ = job.cells;
   settings_ = job.walk;
   told_ = {};
@@ -65,6 +63,7 @@ void CellsBench::place(const RefineJob& job) {
 void CellsBench::step(const RefineJob& job) {
   const bool is_first = told_.frames == 0;
   told_.walked = walk_->step_to(job.camera);
+  for (const std::string& line : told_.walked.notes) note_ = {++notes_, line};
   told_.note = note_;
   const WalkedFrame& walked = told_.walked;
   ++told_.frames;

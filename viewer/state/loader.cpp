@@ -181,7 +181,7 @@ void Loader::load_meshes(const SceneDescription& scene, LoadedFile& result) {
 
 void Loader::load_as_hlods(const SceneDescription& scene, LoadedFile& result) {
   const std::filesystem::path folder = result.file.parent_path();
-  HlodLoadOptions options;
+  LoadOptions options;
   options.use_cache = use_cache_;
   if (has_hlods(scene, folder)) options.paged = paged_;
   options.progress = [this](const std::string& what, double done) { report(what, done); };

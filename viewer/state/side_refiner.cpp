@@ -11,10 +11,9 @@ SideRefiner::SideRefiner(std::span<const RefineObject> objects, const Calibratio
     : objects_(objects.begin(), objects.end()) {
   auto recorded = std::make_unique<RecordedOcclusion>(backend);
   chosen_ = recorded.get();
-  AutoOptions options;
-  options.calibration = calibration;
-  options.backends.push_back(std::move(recorded));
-  chooser_.emplace(objects, std::move(options));
+  std::vector<std::unique_ptr<Visibility>> backends;
+  backends.push_back(std::move(recorded));
+  chooser_.emplace(objects, calibration, std::move(backends));
   base_triangles_ = chooser_->base_triangles();
 }
 

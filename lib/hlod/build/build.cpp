@@ -352,7 +352,7 @@ WedgeMesh PieceCollector::weld() { return Welder(std::move(raw_), thread_count(t
 constexpr double min_progress = 0.97;  // a level with a larger share of the triangles below it is left out
 constexpr double grouped = 0.15, simplified = 0.85;  // shares of the total time
 
-void check_options(const BuildOptions& options) {
+void check_options(const HlodBuildOptions& options) {
   const OptionChecker check("hlod build");
   check.in_range("node_triangles", options.node_triangles, 16, 4096);
   if (options.quantise_bits != 0) check.in_range("quantise_bits", options.quantise_bits, 8, 23);
@@ -365,7 +365,7 @@ void check_options(const BuildOptions& options) {
 class Builder {
  public:
   // The options and `journal`, which may be null, must outlive the builder.
-  Builder(WedgeMesh mesh, const BuildOptions& options, BuildJournal* journal)
+  Builder(WedgeMesh mesh, const HlodBuildOptions& options, BuildJournal* journal)
       : mesh_(std::move(mesh)),
         within_(options.within),
         threads_(thread_count(options.threads)),
@@ -429,11 +429,12 @@ class Builder {
   std::vector<LevelDraft> levels_;
 };
 
-Hlod build(WedgeMesh mesh, float lattice_step, const BuildOptions& options, BuildJournal* journal) {
+Hlod build(WedgeMesh mesh, float lattice_step, const HlodBuildOptions& options, BuildJournal* journal,
+           std::size_t& taken) {
   const LargeMemoryReuse reuse;
   if (journal != nullptr) journal->begin(mesh);
   HlodData data = Builder(std::move(mesh), options, journal).run();
-  if (journal != nullptr && options.resumed) options.resumed(journal->taken());
+  taken = journal != nullptr ? journal->taken() : 0;
   data.grouping = options.grouping;
   data.borders = options.borders;
   data.node_triangles = options.node_triangles;
@@ -442,32 +443,42 @@ Hlod build(WedgeMesh mesh, float lattice_step, const BuildOptions& options, Buil
 }
 
 // Opens the journal before the mesh is there, so that one that does not fit is reported at once. Returns null for none.
-std::unique_ptr<BuildJournal> open_journal(const BuildOptions& options) {
+std::unique_ptr<BuildJournal> open_journal(const HlodBuildOptions& options) {
   return options.journal.empty() ? nullptr : std::make_unique<BuildJournal>(options.journal, options);
 }
 
 // Returns the step of the lattice of positions; 0 without one.
-float step_of(std::span<const glm::vec3> positions, const BuildOptions& options) {
+float step_of(std::span<const glm::vec3> positions, const HlodBuildOptions& options) {
   return options.quantise_bits == 0 ? 0.0F : lattice_step(bounding_box(positions), options.quantise_bits);
 }
 
 }  // namespace
 
-Hlod build_hlod(const TriangleMesh& mesh, const BuildOptions& options) {
+Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options) {
+  std::size_t taken = 0;
+  return build_hlod(mesh, options, taken);
+}
+
+Hlod build_hlod(const TriangleSource& source, const HlodBuildOptions& options, MeshReport& report) {
+  std::size_t taken = 0;
+  return build_hlod(source, options, report, taken);
+}
+
+Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options, std::size_t& taken) {
   check_options(options);
   const std::unique_ptr<BuildJournal> journal = open_journal(options);
   check_input(mesh);
   check_welded(mesh);
   const unsigned threads = thread_count(options.threads);
   const float step = step_of(mesh.positions, options);
-  if (step == 0.0F) return build(to_wedge_mesh(mesh, threads), step, options, journal.get());
+  if (step == 0.0F) return build(to_wedge_mesh(mesh, threads), step, options, journal.get(), taken);
   TriangleMesh rounded = mesh;
   round_to_lattice(rounded, step);
   return build(to_wedge_mesh(clean(std::move(rounded), {}, "rounded mesh", options.threads).mesh, threads), step,
-               options, journal.get());
+               options, journal.get(), taken);
 }
 
-Hlod build_hlod(const TriangleSource& source, const BuildOptions& options, MeshReport& report) {
+Hlod build_hlod(const TriangleSource& source, const HlodBuildOptions& options, MeshReport& report, std::size_t& taken) {
   check_options(options);
   const std::unique_ptr<BuildJournal> journal = open_journal(options);
   PieceCollector pieces(options.threads);
@@ -478,7 +489,7 @@ Hlod build_hlod(const TriangleSource& source, const BuildOptions& options, MeshR
   if (step > 0.0F) pieces.round(step);
   WedgeMesh mesh = pieces.weld();
   report = pieces.report();
-  return build(std::move(mesh), step, options, journal.get());
+  return build(std::move(mesh), step, options, journal.get(), taken);
 }
 
 }  // namespace occlod::hlod

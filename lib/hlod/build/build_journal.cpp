@@ -103,7 +103,7 @@ static_assert(sizeof(NodeFacts) == 32 && sizeof(AddedWedge) == 8 && sizeof(Merge
 
 }  // namespace
 
-BuildJournal::BuildJournal(std::filesystem::path path, const BuildOptions& options) : path_(std::move(path)) {
+BuildJournal::BuildJournal(std::filesystem::path path, const HlodBuildOptions& options) : path_(std::move(path)) {
   wanted_.magic = magic;
   static_assert(sizeof(hlod_builder_id) == sizeof(wanted_.builder) + 1);
   std::copy_n(hlod_builder_id, wanted_.builder.size(), wanted_.builder.begin());

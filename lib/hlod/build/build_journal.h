@@ -25,7 +25,7 @@ class BuildJournal {
  public:
   // Opens the file if it exists, but does not create it. Throws Error when another build uses the file, when it is not
   // a journal, or when it belongs to another version or to a build with other options.
-  BuildJournal(std::filesystem::path path, const BuildOptions& options);
+  BuildJournal(std::filesystem::path path, const HlodBuildOptions& options);
 
   // Must be called first, with the mesh as the build has it at that time. Creates the file if need be. Throws Error
   // like the constructor, and for a journal of another mesh. O(n).
@@ -83,5 +83,10 @@ class BuildJournal {
   std::size_t taken_ = 0;
   std::vector<std::byte> bytes_;  // one record, with its head when it is appended
 };
+
+// As without `taken`, which becomes the number of nodes that the build took over from its journal.
+[[nodiscard]] Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options, std::size_t& taken);
+[[nodiscard]] Hlod build_hlod(const TriangleSource& source, const HlodBuildOptions& options, MeshReport& report,
+                              std::size_t& taken);
 
 }  // namespace occlod::hlod

@@ -45,7 +45,7 @@ TriangleGroups by_triangle(const Cells& cells, const CellGroups& groups, unsigne
 
 }  // namespace
 
-TriangleGrouping::TriangleGrouping(const WedgeMesh& mesh, const BuildOptions& options, unsigned threads)
+TriangleGrouping::TriangleGrouping(const WedgeMesh& mesh, const HlodBuildOptions& options, unsigned threads)
     : mesh_(mesh), options_(options), threads_(threads), grid_(bounding_box(mesh.positions)) {}
 
 glm::dvec3 TriangleGrouping::centroid(const Triangle& t) const {

@@ -28,7 +28,7 @@ struct TriangleGroups {
 
 class TriangleGrouping {
  public:
-  TriangleGrouping(const WedgeMesh& mesh, const BuildOptions& options, unsigned threads);
+  TriangleGrouping(const WedgeMesh& mesh, const HlodBuildOptions& options, unsigned threads);
 
   // Groups the input into groups of at most node_triangles.
   [[nodiscard]] TriangleGroups group_input() const;
@@ -47,7 +47,7 @@ class TriangleGrouping {
   void find_node_codes(const LevelDraft& input);
 
   const WedgeMesh& mesh_;
-  const BuildOptions& options_;
+  const HlodBuildOptions& options_;
   unsigned threads_;
   OctreeGrid grid_;
   // With nested groups, holds the code of a point in the cell of each node of the last level.

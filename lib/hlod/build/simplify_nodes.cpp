@@ -237,7 +237,8 @@ class NodeSimplifier::Worker {
   std::vector<GrownBox> grown_;                     // by local vertex
 };
 
-NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const BuildOptions& options, unsigned threads, BuildJournal* journal)
+NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options, unsigned threads,
+                               BuildJournal* journal)
     : mesh_(mesh),
       options_(options),
       threads_(threads),

@@ -19,7 +19,7 @@ namespace occlod::hlod {
 class NodeSimplifier {
  public:
   // The references must outlive the simplifier. `journal` may be null.
-  NodeSimplifier(WedgeMesh& mesh, const BuildOptions& options, unsigned threads, BuildJournal* journal);
+  NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options, unsigned threads, BuildJournal* journal);
 
   // Returns the level above `below`, whose parent_of is set to `groups`. Takes nodes from the journal as far as it
   // goes, and then simplifies the remaining groups. Adds wedges to the mesh. `progress` counts triangles of `below`.
@@ -39,7 +39,7 @@ class NodeSimplifier {
   void pass_on(const LevelDraft& level);
 
   WedgeMesh& mesh_;
-  const BuildOptions& options_;
+  const HlodBuildOptions& options_;
   unsigned threads_;
   BuildJournal* journal_;
   float scale_;

@@ -86,7 +86,7 @@ constexpr std::ptrdiff_t padding = 16;
 
 class SoftwareDevice::Impl {
  public:
-  explicit Impl(const SoftwareDeviceOptions& options) : options_(options) {}
+  explicit Impl(bool keep_items) : keep_items_(keep_items) {}
 
   void begin(const View& view, std::span<const PlacedHlod> objects) {
     watch_.begin();
@@ -143,7 +143,7 @@ class SoftwareDevice::Impl {
  private:
   void begin_image() {
     const int width = screen_.width, height = screen_.height;
-    if (options_.items) {
+    if (keep_items_) {
       items_.reset(width, height);
       image_ = {items_.depth.nearness.data(), width, height, width};
       return;
@@ -165,7 +165,7 @@ class SoftwareDevice::Impl {
       assert(std::size_t{range.first_index} + range.index_count <= indices.size());
       add_triangles(indices.subspan(range.first_index, range.index_count));
     }
-    const DrawnPixels drawn = options_.items
+    const DrawnPixels drawn = keep_items_
                                   ? draw_items_counted(items_, positions, triangles_, object.view.object_to_clip(),
                                                        static_cast<std::uint32_t>(work_.triangles))
                                   : draw_depth_counted(image_, positions, triangles_, object.view.object_to_clip());
@@ -198,7 +198,7 @@ class SoftwareDevice::Impl {
     return static_cast<std::uint32_t>(screen_.width) * static_cast<std::uint32_t>(screen_.height);
   }
 
-  SoftwareDeviceOptions options_;
+  bool keep_items_;
   Screen screen_;
   std::vector<DrawnObject> objects_;
   std::vector<float> nearness_;  // of image_ without items
@@ -212,7 +212,7 @@ class SoftwareDevice::Impl {
   std::vector<Triangle> triangles_;   // scratch memory
 };
 
-SoftwareDevice::SoftwareDevice(const SoftwareDeviceOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+SoftwareDevice::SoftwareDevice(bool keep_items) : impl_(std::make_unique<Impl>(keep_items)) {}
 SoftwareDevice::~SoftwareDevice() = default;
 
 std::string_view SoftwareDevice::name() const noexcept { return "software"; }

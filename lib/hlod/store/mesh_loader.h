@@ -172,10 +172,14 @@ class MeshLoader {
   std::thread thread_;
 };
 
+// Limits the bytes of meshes that arrive in one frame, if it is more than one mesh.
+inline constexpr std::size_t max_bytes_in_frame = std::size_t{4} << 20U;
+
 // Models the transfer of loads from a store to its loader: the frame in which each arrives.
 class MeshLink {
  public:
-  MeshLink() = default;
+  // `frame_bytes`: takes the place of max_bytes_in_frame; > 0.
+  explicit MeshLink(std::size_t frame_bytes) : frame_bytes_(frame_bytes) {}
   MeshLink(const MeshLink&) = delete;
   MeshLink& operator=(const MeshLink&) = delete;
   virtual ~MeshLink() = default;
@@ -190,6 +194,11 @@ class MeshLink {
   [[nodiscard]] virtual std::size_t take_due() = 0;
   // Forgets all loads. Returns those that were not transferred.
   [[nodiscard]] virtual std::vector<MeshLoad> clear() = 0;
+
+  [[nodiscard]] std::size_t frame_bytes() const noexcept { return frame_bytes_; }
+
+ private:
+  std::size_t frame_bytes_;
 };
 
 }  // namespace occlod::hlod

@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "base/option_checker.h"
 #include "hlod/store/mesh_loader.h"
 #include "occlod/base.h"
 
@@ -19,10 +18,6 @@ using Urgency = NodeCache::Urgency;
 // Adjacent meshes are read together up to this many bytes: larger reads are hardly faster, and arrive late.
 constexpr std::size_t max_read_bytes = std::size_t{1} << 20U;
 
-void check(const CacheOptions& options) {
-  OptionChecker("cache options").at_least("frame_bytes", static_cast<double>(options.frame_bytes), 1.0);
-}
-
 }  // namespace
 
 class NodeStore::Impl {
@@ -30,7 +25,6 @@ class NodeStore::Impl {
   Impl(const HlodView& view, std::shared_ptr<const void> owner, std::unique_ptr<MeshSource> source,
        const CacheOptions& options)
       : view_(view), owner_(std::move(owner)), source_(std::move(source)), options_(options), cache_(view_, *source_) {
-    check(options);
     check_budget(options.budget_bytes);
     cache_.set_budget(options.budget_bytes);
     read_roots();
@@ -58,6 +52,7 @@ class NodeStore::Impl {
   void set_link(std::unique_ptr<MeshLink> link) {
     assert(loader_);
     link_ = std::move(link);
+    frame_bytes_ = link_->frame_bytes();
   }
 
   [[nodiscard]] StoreStats stats() const {
@@ -209,7 +204,7 @@ class NodeStore::Impl {
     for (std::size_t i = 0; i < arrivals_.size(); ++i) {
       Arrival& arrival = arrivals_[i];
       const std::size_t added = source_->bytes_of(arrival.node);
-      const bool has_turn = bytes == 0 || bytes + added <= options_.frame_bytes;
+      const bool has_turn = bytes == 0 || bytes + added <= frame_bytes_;
       if (has_turn && !waits_for_parents(arrival.node)) {
         bytes += admit(arrival) ? added : 0;
       } else {
@@ -288,7 +283,7 @@ class NodeStore::Impl {
   // Plans what to read, in order_: no more than arrives in a few frames, so that more urgent nodes can come first then.
   void plan() {
     order_.clear();
-    const std::size_t most = 2 * options_.frame_bytes;
+    const std::size_t most = 2 * frame_bytes_;
     bool has_room = plan_lasting();
     for (const Group& group : groups_) {
       if (cache_.coming_bytes() >= most) return;
@@ -296,7 +291,7 @@ class NodeStore::Impl {
     }
     if (!has_room) return;  // the memory that is left is for wanted nodes
     for (const NodeId n : soon_) {
-      if (cache_.coming_bytes() >= options_.frame_bytes || !plan({&n, 1}, Urgency::soon)) return;
+      if (cache_.coming_bytes() >= frame_bytes_ || !plan({&n, 1}, Urgency::soon)) return;
     }
   }
 
@@ -306,7 +301,7 @@ class NodeStore::Impl {
       if (state == State::absent || state == State::coming) break;
     }
     for (NodeId n = first_lasting_; n < cache_.lasting_nodes(); ++n)
-      if (cache_.coming_bytes() >= options_.frame_bytes || !plan({&n, 1}, Urgency::now)) return false;
+      if (cache_.coming_bytes() >= frame_bytes_ || !plan({&n, 1}, Urgency::now)) return false;
     return true;
   }
 
@@ -357,7 +352,8 @@ class NodeStore::Impl {
   std::unique_ptr<MeshSource> source_;
   CacheOptions options_;
   NodeCache cache_;
-  std::unique_ptr<MeshLink> link_;    // null: none
+  std::unique_ptr<MeshLink> link_;  // null: none
+  std::size_t frame_bytes_ = max_bytes_in_frame;
   std::vector<NodeId> wanted_;        // in this frame, group by group
   std::vector<Group> groups_;         // in this frame
   std::vector<Priority> priorities_;  // of missing nodes

@@ -57,7 +57,8 @@ std::vector<BoundaryEdge> net_edges(std::vector<std::pair<PointId, PointId>>& ed
 
 class Validator {
  public:
-  Validator(const Hlod& hlod, const ValidateOptions& options) : h_(hlod), options_(options), points_(point_count()) {}
+  Validator(const Hlod& hlod, std::size_t random_fronts)
+      : h_(hlod), random_fronts_(random_fronts), points_(point_count()) {}
 
   std::vector<std::string> run() {
     if (const auto problem = check_structure(h_.data())) return {*problem};
@@ -253,7 +254,7 @@ class Validator {
     const std::vector<ChainSum> patches = sum_patches();
     const std::vector<BoundaryEdge> input = input_boundary();
     std::mt19937_64 random(20070308), random_cuts(20060829);  // any fixed seeds
-    for (std::size_t i = 0; i < options_.random_fronts; ++i) {
+    for (std::size_t i = 0; i < random_fronts_; ++i) {
       const Refined refined = random_front(h_, random);
       check_front(refined, {}, patches, input);
       if (!h_.data().within.empty()) check_front(refined, random_cuts_of(h_, refined, random_cuts), patches, input);
@@ -320,7 +321,7 @@ class Validator {
   }
 
   const Hlod& h_;
-  ValidateOptions options_;
+  std::size_t random_fronts_;
   std::vector<std::string> violations_;
   PositionIds points_;
   std::vector<std::size_t> first_vertex_;  // per node, into point_of_
@@ -334,8 +335,8 @@ class Validator {
 
 }  // namespace
 
-std::vector<std::string> validate(const Hlod& hlod, const ValidateOptions& options) {
-  return Validator(hlod, options).run();
+std::vector<std::string> validate(const Hlod& hlod, std::size_t random_fronts) {
+  return Validator(hlod, random_fronts).run();
 }
 
 namespace {

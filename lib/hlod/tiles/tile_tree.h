@@ -70,4 +70,10 @@ std::uint64_t write_tileset_json(AtomicFolder& folder, const TileTree& tree,
 // Earth-fixed metres. At the poles, east is the limit along the meridian of the given longitude.
 [[nodiscard]] glm::dmat4 east_north_up(const GeodeticOrigin& origin);
 
+// The most tiles in a .json file, unless those of one with its children are more.
+inline constexpr std::uint32_t usual_tiles_per_file = 1000;
+// As without a number of tiles in a file, >= 1.
+TilesetCounts write_tileset(const std::filesystem::path& folder, const hlod::Hlod& hlod, const TilesetOptions& options,
+                            std::uint32_t tiles_per_file);
+
 }  // namespace occlod::tiles

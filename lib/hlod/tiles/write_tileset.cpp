@@ -140,7 +140,6 @@ void check(const TilesetOptions& options) {
   const OptionChecker checker("tileset options");
   if (options.quantise_bits && *options.quantise_bits != 0)
     checker.in_range("quantise_bits", *options.quantise_bits, 8, 16);
-  checker.in_range("tiles_per_file", options.tiles_per_file, 1, 1e6);
   if (options.origin) {
     checker.in_range("longitude_deg", options.origin->longitude_deg, -180.0, 180.0);
     checker.in_range("latitude_deg", options.origin->latitude_deg, -90.0, 90.0);
@@ -173,8 +172,9 @@ std::optional<glm::dmat4> transform_of(const TilesetOptions& options) {
 
 class TilesetWriter {
  public:
-  TilesetWriter(const std::filesystem::path& folder, const hlod::Hlod& hlod, const TilesetOptions& options)
-      : errors_(folder), folder_(folder), hlod_(hlod), options_(options), tree_(hlod) {
+  TilesetWriter(const std::filesystem::path& folder, const hlod::Hlod& hlod, const TilesetOptions& options,
+                std::uint32_t tiles_per_file)
+      : errors_(folder), folder_(folder), hlod_(hlod), options_(options), tiles_per_file_(tiles_per_file), tree_(hlod) {
     const int usual_bits = options.compression == Compression::none ? 0 : 14;
     format_ = {options.compression, options.quantise_bits.value_or(usual_bits)};
     needs_borders_ = !hlod.data().has_normals || options.skirts;
@@ -188,7 +188,7 @@ class TilesetWriter {
       step();
       write_tile(n);
     }
-    tree_.complete(TileError::guaranteed, options_.tiles_per_file);
+    tree_.complete(TileError::guaranteed, tiles_per_file_);
     counts_.tileset_files = write_tileset_json(folder_, tree_, transform_of(options_));
     counts_.bytes = folder_.bytes();
     folder_.commit();
@@ -221,6 +221,7 @@ class TilesetWriter {
   AtomicFolder folder_;
   const hlod::Hlod& hlod_;
   const TilesetOptions& options_;
+  std::uint32_t tiles_per_file_;
   TileFormat format_;
   bool needs_borders_ = false;
   BorderVertices borders_;
@@ -235,10 +236,15 @@ class TilesetWriter {
 
 TilesetCounts write_tileset(const std::filesystem::path& folder, const hlod::Hlod& hlod,
                             const TilesetOptions& options) {
+  return write_tileset(folder, hlod, options, usual_tiles_per_file);
+}
+
+TilesetCounts write_tileset(const std::filesystem::path& folder, const hlod::Hlod& hlod, const TilesetOptions& options,
+                            std::uint32_t tiles_per_file) {
   check(options);
   check(hlod);
   check_tileset_output(folder, options.replace);
-  return TilesetWriter(folder, hlod, options).run();
+  return TilesetWriter(folder, hlod, options, tiles_per_file).run();
 }
 
 }  // namespace occlod::tiles

@@ -53,18 +53,18 @@ struct Calibration {
 // passes: some 150 ms on the CPU. Throws what a backend throws.
 [[nodiscard]] Calibration measure_calibration(std::span<const std::unique_ptr<Visibility>> backends);
 
-// The costs of the device with this name. Throws Error that lists the names.
+// Returns the costs of the device with this name. Throws Error that lists the names.
 [[nodiscard]] const hlod::DeviceCosts& device_costs_of(const Calibration& calibration, std::string_view device);
 
 // Throws Error that names the first number that is not finite or not larger than 0; of devices, below 0.
 void check_calibration(const Calibration& calibration);
 
-// As JSON, with every digit, so that reading gives the same calibration back.
+// Writes JSON, with every digit, so that reading gives the same calibration back.
 [[nodiscard]] std::string calibration_json(const Calibration& calibration);
-// From such a file. Throws Error that names the file and the JSON path of what is missing, unknown, repeated, no number
-// or not positive.
+// Reads such a file. Throws Error that names the file and the JSON path of what is missing, unknown, repeated, no
+// number or not positive.
 [[nodiscard]] Calibration read_calibration(const std::filesystem::path& path);
-// To such a file, beside `path` and renamed. Throws Error that names the file.
+// Writes such a file, beside `path` and renamed. Throws Error that names the file.
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
 
 // Which effects are on in a view, and why.
@@ -126,7 +126,7 @@ struct EffectReport {
   FrameForecast same_error_without;
   std::vector<ObjectEffectStats> objects;  // by object: what the tests did
 
-  // The forecast of the choice; null before the first view.
+  // Returns the forecast of the choice; null before the first view.
   [[nodiscard]] const EffectForecast* chosen() const noexcept {
     const auto found = std::find_if(forecasts.begin(), forecasts.end(), [this](const EffectForecast& forecast) {
       return forecast.backend == choice.backend;
@@ -137,51 +137,46 @@ struct EffectReport {
 
 // Refinement that asks about occlusion only where that is expected to pay: the setting `auto`.
 
-// What an AutoRefiner chooses from, and by what costs.
-struct AutoOptions {
-  std::optional<Calibration> calibration;  // none: measured, some 150 ms
-  std::vector<std::unique_ptr<Visibility>>
-      backends;  // to choose from, each with another name; none: the software backend
-};
-
 // A Refiner that learns from view to view. Its choices depend on the calibration and on counts, never on a clock: the
 // same calibration, objects, views and options in the same order give the same meshes. One thread at a time.
 class AutoRefiner {
  public:
-  // Throws Error when a hierarchy or a backend is missing, when check_calibration() refuses the calibration, or when it
-  // does not know a backend.
-  explicit AutoRefiner(std::span<const RefineObject> objects, AutoOptions options = {});
+  // Without a calibration it measures one, which takes some 150 ms. It chooses from `backends`, each with another name;
+  // none: the software backend. Throws Error when a hierarchy or a backend is missing, when check_calibration() refuses
+  // the calibration, or when it does not know a backend.
+  explicit AutoRefiner(std::span<const RefineObject> objects, const std::optional<Calibration>& calibration = {},
+                       std::vector<std::unique_ptr<Visibility>> backends = {});
   ~AutoRefiner();
   AutoRefiner(AutoRefiner&&) noexcept;
   AutoRefiner& operator=(AutoRefiner&&) noexcept;
 
-  // As given or measured, of the given backends in their order.
+  // Returns the calibration as given or measured, of the given backends in their order.
   [[nodiscard]] const Calibration& calibration() const noexcept;
-  // As Refiner::base_triangles().
+  // Counts as Refiner::base_triangles() does.
   [[nodiscard]] std::size_t base_triangles() const noexcept;
-  // As Refiner::full_triangles().
+  // Counts as Refiner::full_triangles() does.
   [[nodiscard]] std::size_t full_triangles() const noexcept;
 
-  // As Refiner::set_transform().
+  // Places an object as Refiner::set_transform() does.
   void set_transform(std::size_t object, const glm::dmat4& object_to_world);
 
-  // As Refiner::refine(), with effects chosen for the view in place of options.effects, and of what
+  // Refines as Refiner::refine() does, with effects chosen for the view in place of options.effects, and of what
   // the method asks and draws. Throws Error likewise.
   const Refinement& refine(const View& view, const RefineOptions& options);
-  // As Refiner::update(), with effects chosen for each view; a change of effects does not start from scratch. They stay
-  // the same while the same view and options are given again, and where another choice would be only a little better.
-  // Normal cones stay on: they are tested many at a time.
+  // Goes on as Refiner::update() does, with effects chosen for each view; a change of effects does not start from
+  // scratch. They stay the same while the same view and options are given again, and where another choice would be only
+  // a little better. Normal cones stay on: they are tested many at a time.
   const Refinement& update(const View& view, const RefineOptions& options);
 
-  // As Refiner::take_result().
+  // Gives the last result away as Refiner::take_result() does.
   [[nodiscard]] Refinement take_result();
 
-  // As Refiner::visibility_ages().
+  // Returns what Refiner::visibility_ages() does.
   [[nodiscard]] std::vector<std::uint32_t> visibility_ages(std::size_t object) const;
 
-  // About the last view; valid until the next call.
+  // Returns the report about the last view; valid until the next call.
   [[nodiscard]] const EffectReport& report() const noexcept;
-  // The backend with this index, as EffectChoice::backend gives it.
+  // Returns the backend with this index, as EffectChoice::backend gives it.
   [[nodiscard]] Visibility& backend(std::size_t index) const noexcept;
 
  private:

@@ -17,14 +17,6 @@
 
 namespace occlod {
 
-// How a build runs; what it builds does not depend on it.
-struct CellBuildRun {
-  int threads = 0;  // in [0, 1024]; 0: one for each core. Each has a CellBuilder of its own
-  // Called now and then on the calling thread with the share done, in [0, 1]; returning false cancels the build, which
-  // then throws Error. What it throws ends the build too.
-  std::function<bool(double)> progress = {};
-};
-
 // A run of root cells in their order: regions as they are given, within each along a Hilbert curve.
 struct CellRange {
   std::uint32_t first = 0;  // root cell
@@ -37,28 +29,32 @@ struct CellRange {
 // however the root cells are cut into parts.
 class CellBuild {
  public:
-  // Reads all of the hierarchies, which outlive the build. Throws Error for options out of their range and hierarchies
-  // that are missing or damaged.
+  // Prepares a build. Reads all of the hierarchies, which outlive the build. Throws Error for options out of their
+  // range and hierarchies that are missing or damaged.
   CellBuild(std::span<const RefineObject> objects, const CellTreeOptions& options);
   ~CellBuild();
   CellBuild(const CellBuild&) = delete;
   CellBuild& operator=(const CellBuild&) = delete;
 
-  // Of all regions.
+  // Counts the root cells of all regions.
   [[nodiscard]] std::uint32_t root_cell_count() const noexcept;
-  // The i-th of n runs of nearly the same length, i < n. Empty where there are fewer root cells.
+  // Returns the i-th of n runs of nearly the same length, i < n. Empty where there are fewer root cells.
   [[nodiscard]] CellRange shard(std::uint32_t i, std::uint32_t n) const;
-  // The name of the .vpart file of this range: another for another scene or other options.
+  // Returns the name of the .vpart file of this range: another for another scene or other options.
   [[nodiscard]] std::string part_name(const CellRange& range) const;
-  // Whether the file is there, whole, and what write_part() would write. O(bytes).
+  // Tells whether the file is there, whole, and what write_part() would write. O(bytes).
   [[nodiscard]] bool has_part(const std::filesystem::path& part, const CellRange& range) const;
 
-  // Divides the root cells and writes them. Throws Error when it is cancelled or the file cannot be written.
-  void write_part(const std::filesystem::path& part, const CellRange& range, const CellBuildRun& run = {});
-  // The same for all root cells, as a .vlod file.
-  void write(const std::filesystem::path& path, const CellBuildRun& run = {});
+  // Divides the root cells and writes them, on `threads` threads in [0, 1024], 0: one for each core; each has a
+  // CellBuilder of its own. `progress` is called now and then on the calling thread with the share done, in [0, 1];
+  // returning false cancels the build, and what it throws ends the build too. Throws Error when it is cancelled,
+  // `threads` is out of its range or the file cannot be written.
+  void write_part(const std::filesystem::path& part, const CellRange& range, int threads = 0,
+                  const std::function<bool(double)>& progress = {});
+  // Does the same for all root cells, and writes a .vlod file.
+  void write(const std::filesystem::path& path, int threads = 0, const std::function<bool(double)>& progress = {});
 
-  // That were found so far: of cells, of what was divided, and of parts of cells that were not kept.
+  // Counts the cuts that were found so far: of cells, of what was divided, and of parts of cells that were not kept.
   [[nodiscard]] std::size_t cuts() const noexcept;
 
  private:
@@ -66,7 +62,7 @@ class CellBuild {
   std::unique_ptr<Impl> impl_;
 };
 
-// The .vpart files in a folder, by name. Throws Error when there is no such folder.
+// Returns the .vpart files in a folder, by name. Throws Error when there is no such folder.
 [[nodiscard]] std::vector<std::filesystem::path> cell_parts_in(const std::filesystem::path& folder);
 
 // Writes the .vlod file of parts that together have every root cell; what several have is the same in all of them.
@@ -76,19 +72,13 @@ void merge_cells(std::span<const std::filesystem::path> parts, const std::filesy
 
 // Packed .vlod files: view cells with all the geometry that they draw, so that no hierarchy is needed to walk.
 
-// How a file is packed.
-struct PackOptions {
-  int level = 12;  // of zstd, in [1, 19]; 0: the geometry is not compressed
-  // Called now and then with the share done, in [0, 1]; returning false cancels, which then throws Error.
-  std::function<bool(double)> progress = {};
-};
-
 // Writes the same cells as a packed file. Its splits are numbered anew, in an order in which those of a cell are few
 // runs and every split comes after those that it needs; those that no cell applies are left out. `file`: opened with
-// `objects`; it may be packed itself. The file appears whole or not at all, and the same cells and level give the same
-// bytes. Throws Error when the file is damaged, an option is out of its range, or nothing can be written.
-// O(n log n) in what all nodes add; memory: that, and the file to be written.
+// `objects`; it may be packed itself. `progress` is called now and then with the share done, in [0, 1]; returning false
+// cancels, which then throws Error. The file appears whole or not at all, and the same cells give the same bytes.
+// Throws Error when the file is damaged or nothing can be written. O(n log n) in what all nodes add; memory: that, and
+// the file to be written.
 void pack_cells(const VlodFile& file, std::span<const RefineObject> objects, const std::filesystem::path& path,
-                const PackOptions& options = {});
+                const std::function<bool(double)>& progress = {});
 
 }  // namespace occlod

@@ -47,18 +47,13 @@ struct BuildOptions {
 // the forest once. Returns what is wrong, or nothing. O(size).
 [[nodiscard]] std::optional<std::string> check_structure(const HierarchyView& data);
 
-// Options of validate().
-struct ValidateOptions {
-  int random_cuts = 16;  // number of random dependency-closed sets that are extracted and checked for conformity
-};
-
 // Checks the invariants of a hierarchy without trusting anything in it: (1) no error is smaller than that of a split
 // that depends on it or is below it in the forest; (2) sphere, box and cylinder contain all faces of the split and
 // those below it; (3) the normal cone contains their normals; (4) applying the splits in order removes only active
 // faces and ends with the input triangles, and every random closed set gives a conforming mesh, in which each edge that
-// is no boundary of the input is shared. Returns one line per violation (at most 20), none when all hold. Throws Error
-// when a mapped file is damaged. O(size * random_cuts).
-[[nodiscard]] std::vector<std::string> validate(const Hierarchy& hierarchy, const ValidateOptions& options = {});
+// is no boundary of the input is shared; `random_cuts` (>= 0) sets are tried. Returns one line per violation (at most
+// 20), none when all hold. Throws Error when a mapped file is damaged. O(size * random_cuts).
+[[nodiscard]] std::vector<std::string> validate(const Hierarchy& hierarchy, int random_cuts = 16);
 
 // True iff applying all splits gives exactly the triangles of `mesh`: the same positions in the same rotational order,
 // the same number of times, with the same materials, and at each corner the same normal, colour and texture coordinate,

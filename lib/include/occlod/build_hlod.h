@@ -16,19 +16,19 @@ namespace occlod::hlod {
 // What lies between a node and its parents.
 enum class Within {
   geomorph,  // NodeMesh::merged_into: vertices can slide to the parent's
-  splits,    // also every node's collapses: it can be drawn with any number of them undone (within.h), for twice the
+  splits,    // also every node's collapses: it can be drawn with any number of them undone (NodeCut), for twice the
              // bytes
 };
 
 // How an HLOD is built.
-struct BuildOptions {
+struct HlodBuildOptions {
   std::uint32_t node_triangles = 2000;    // the most that a node of level 0 has; groups of four times as many are
                                           // simplified to about a quarter; in [16, 4096]
   Grouping grouping = Grouping::shifted;  // how triangles are grouped from level to level
   Borders borders = Borders::locked;      // what happens at the borders of groups; `free` with nested groups only
   Within within = Within::geomorph;       // what is kept for the way from a node to its parent
   // 0: positions stay as they are; in [8, 23]: they are rounded to a lattice of so many bits for the longest side of
-  // the mesh's box (lattice_step() in mesh/quantise.h), so that files take fewer bytes. What falls together is cleaned.
+  // the mesh's box, so that files take fewer bytes. What falls together is cleaned.
   // All errors are relative to the rounded mesh.
   int quantise_bits = 0;
   int threads = 0;  // in [0, 1024]; 0: one for each core. The result does not depend on it
@@ -38,26 +38,24 @@ struct BuildOptions {
   // stays when the build ends: remove it once the result is written. What is damaged or cut off at its end is done
   // again. Error for a file that is no journal, that another build uses, or that does not fit.
   std::filesystem::path journal = {};
-  // Called on the calling thread, once, before a build with a journal returns: how many nodes it has taken over.
-  std::function<void(std::size_t nodes)> resumed = {};
   // Called now and then on the calling thread with the share done, in [0, 1]; returning false cancels the build, which
   // then throws Error. What it throws ends the build too.
   std::function<bool(double)> progress = {};
 };
 
-// Any triangle soup that clean() accepts can be built; the same mesh and options give the same bytes, whatever the
-// number of threads. Throws Error for an option out of its range or free borders of shifted groups, for a mesh without
-// triangles, with an index out of range, with two vertices at one position or a position that is not finite or has a
-// coordinate beyond farthest_coordinate, and when cancelled. O(n log n) time; about 100 bytes a triangle beside the
-// result while building.
-[[nodiscard]] Hlod build_hlod(const TriangleMesh& mesh, const BuildOptions& options = {});
+// Builds the HLOD of any triangle soup that clean() accepts; the same mesh and options give the same bytes, whatever
+// the number of threads. Throws Error for an option out of its range or free borders of shifted groups, for a mesh
+// without triangles, with an index out of range, with two vertices at one position or a position that is not finite or
+// has a coordinate beyond farthest_coordinate, and when cancelled. O(n log n) time; about 100 bytes a triangle beside
+// the result while building.
+[[nodiscard]] Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options = {});
 
-// The same from a source that is read once, for meshes larger than memory: keep a MemoryLimit (core/memory_limit.h)
+// Builds the same from a source that is read once, for meshes larger than memory: keep a MemoryLimit (occlod/base.h)
 // while this runs and while the result is written. Vertices of all pieces at one position become one, triangles with
 // two corners at one place and vertices without triangles go, as clean() has it; `report` is filled in but for
 // topology, which needs the mesh as a whole: those counts stay 0. The bytes are those of build_hlod() of the cleaned
 // mesh. Throws Error as above, for what pieces throw, and for 2^32 or more vertices or triangles.
-[[nodiscard]] Hlod build_hlod(const TriangleSource& source, const BuildOptions& options, MeshReport& report);
+[[nodiscard]] Hlod build_hlod(const TriangleSource& source, const HlodBuildOptions& options, MeshReport& report);
 
 // Refinement within nodes (Charalambos 2006, sec. 4.4): the mesh of a node with some of its collapses undone, so that
 // its error is anything between its own and its children's. For HLODs built with Within::splits.
@@ -70,32 +68,33 @@ struct NodeCut {
   std::vector<std::uint16_t> indices;  // three for each triangle: into NodeMesh::positions, then NodeSplits::positions
 };
 
-// How many splits leave an error of at most `max_error` (object units): none when that is Node::error or more, all
-// that change anything when it is Node::child_error or less. 0 for a node without splits, which else have been
+// Returns how many splits leave an error of at most `max_error` (object units): none when that is Node::error or more,
+// all that change anything when it is Node::child_error or less. 0 for a node without splits, which else have been
 // required. O(log splits).
 [[nodiscard]] std::uint32_t splits_to_error(const Hlod& hlod, NodeId n, double max_error);
 
-// The error of drawing node n with its first splits applied instead of the input: between Node::child_error and
+// Returns the error of drawing node n with its first splits applied instead of the input: between Node::child_error and
 // Node::error. splits <= NodeWithin::splits; the node's splits have been required. O(1).
 [[nodiscard]] double error_of_splits(const Hlod& hlod, NodeId n, std::uint32_t splits);
 
-// The mesh of node n, which has_within() and whose splits have been required, with its first splits applied, or some
-// more where the last one is of a place that others are at. O(triangles that the node was made from), times their
+// Returns the mesh of node n, which has_within() and whose splits have been required, with its first splits applied, or
+// some more where the last one is of a place that others are at. O(triangles that the node was made from), times their
 // logarithm where the input has seams.
 [[nodiscard]] NodeCut cut_with_splits(const Hlod& hlod, NodeId n, std::uint32_t splits);
 
-// The coarsest mesh of node n whose error is at most `max_error`, object units; the finest if none is. Requires what
-// it needs, so it throws Error when a mapped file is damaged. O(triangles that the node was made from).
+// Returns the coarsest mesh of node n whose error is at most `max_error`, object units; the finest if none is. Requires
+// what it needs, so it throws Error when a mapped file is damaged. O(triangles that the node was made from).
 [[nodiscard]] NodeCut within_cut(const Hlod& hlod, NodeId n, double max_error);
 
-// The largest 2^(i/4), i an integer, that is at most x; 0 for 0. x >= 0; of infinity the largest that is finite.
+// Returns the largest 2^(i/4), i an integer, that is at most x; 0 for 0. x >= 0; of infinity the largest that is
+// finite.
 [[nodiscard]] double error_step(double x);
 
 // Cuts of nodes, kept from frame to frame. Errors are rounded down to error_step(), so that a node's cut changes only
 // when its error has changed by a fifth. One thread at a time.
 class CutCache {
  public:
-  // Empty.
+  // Starts empty.
   explicit CutCache(std::size_t max_bytes = std::size_t{64} << 20U);
   CutCache(CutCache&&) noexcept;
   CutCache& operator=(CutCache&&) noexcept;
@@ -103,11 +102,11 @@ class CutCache {
 
   // Starts a frame: drops cuts, the longest unused first, while all have more than `max_bytes`.
   void begin_frame();
-  // within_cut() to error_step(max_error). Valid until the next begin_frame(). `hlod` stays where it is as long as the
-  // cache is used; cuts without splits have no indices: draw the node's own. Throws Error when a mapped file is
+  // Returns within_cut() to error_step(max_error). Valid until the next begin_frame(). `hlod` stays where it is as long
+  // as the cache is used; cuts without splits have no indices: draw the node's own. Throws Error when a mapped file is
   // damaged.
   [[nodiscard]] const NodeCut& get(const Hlod& hlod, NodeId n, double max_error);
-  // Of all cuts that are kept.
+  // Returns the bytes of all cuts that are kept.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:

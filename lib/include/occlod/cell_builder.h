@@ -37,37 +37,37 @@ struct EyeModel {
   friend bool operator==(const EyeModel&, const EyeModel&) = default;
 };
 
-// Of all eyes that see what this perspective view sees, up to where they are and look. Throws Error for an orthographic
-// view.
+// Returns what holds of all eyes that see what this perspective view sees, up to where they are and look. Throws Error
+// for an orthographic view.
 [[nodiscard]] EyeModel eye_model(const View& view);
 
 // One object's questions, for all eyes of a cell. Immutable. Answers are conservative: they hold for each eye, and
 // rounding errs to the side that shows more.
 class CellView {
  public:
-  // Throws Error when the cell is not finite or inverted, a field of `eyes` is out of its range, or `object_to_world`
-  // is not finite, not affine or cannot be inverted.
+  // Looks at one object from a cell. Throws Error when the cell is not finite or inverted, a field of `eyes` is out of
+  // its range, or `object_to_world` is not finite, not affine or cannot be inverted.
   CellView(const CellBox& cell, const EyeModel& eyes, const glm::dmat4& object_to_world);
 
-  // Pixels that a displacement of one object unit can cover on the screen of any eye, at most, at any point of the
-  // sphere (object space) inside the image and beyond the near plane. Finite.
+  // Returns the pixels that a displacement of one object unit can cover on the screen of any eye, at most, at any point
+  // of the sphere (object space) inside the image and beyond the near plane. Finite.
   [[nodiscard]] float largest_scale_px(const Sphere& sphere) const noexcept;
-  // The same at any point of the box (object space).
+  // Returns the same at any point of the box (object space).
   [[nodiscard]] float largest_scale_px(const Box& box) const noexcept;
-  // What largest_scale_px() is at least, at any single point of the box.
+  // Returns what largest_scale_px() is at least, at any single point of the box.
   [[nodiscard]] double smallest_scale_px(const Box& box) const noexcept;
 
-  // True only when no eye can see a front face of surface inside `sphere` with normals inside `cone` (object space).
-  // The eyes to which all of it shows its back are an intersection of half-spaces: all eyes of a cell are among them
-  // iff its corners are, so nothing is lost but rounding.
+  // Returns true only when no eye can see a front face of surface inside `sphere` with normals inside `cone` (object
+  // space). The eyes to which all of it shows its back are an intersection of half-spaces: all eyes of a cell are among
+  // them iff its corners are, so nothing is lost but rounding.
   [[nodiscard]] bool faces_away(const NormalCone& cone, const Sphere& sphere) const noexcept;
-  // True only when no eye sees the front of the triangle (object space).
+  // Returns true only when no eye sees the front of the triangle (object space).
   [[nodiscard]] bool faces_away(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) const noexcept;
 
-  // Around the box (object space) grown by `margin` >= 0 (object units) to all sides; rounded outwards.
+  // Returns the box around the box (object space) grown by `margin` >= 0 (object units) to all sides; rounded outwards.
   [[nodiscard]] CellBox world_box(const Box& box, double margin) const noexcept;
 
-  // As given.
+  // Returns the cell as given.
   [[nodiscard]] const CellBox& cell() const noexcept { return cell_; }
 
  private:
@@ -92,22 +92,22 @@ class InnerBoxes;
 // threads may use one.
 class CellOccluders {
  public:
-  // Of each object the coarsest cut that keeps the topology of the input and whose faces stand for surface that is no
-  // farther from them than max_motion (world units, >= 0); with 0 the input itself. A small part of the size of cells
-  // is a good choice. Throws Error when a hierarchy is missing or damaged, a placement cannot be inverted, or
+  // Takes of each object the coarsest cut that keeps the topology of the input and whose faces stand for surface that
+  // is no farther from them than max_motion (world units, >= 0); with 0 the input itself. A small part of the size of
+  // cells is a good choice. Throws Error when a hierarchy is missing or damaged, a placement cannot be inverted, or
   // max_motion is out of its range. O(n log n), some microseconds a split.
   CellOccluders(std::span<const RefineObject> objects, double max_motion);
 
-  // Whether no eye in `eyes` can see any of `what`: every segment between them meets the input. Both sides of every
-  // triangle hide, but nothing does within near_reach (world units) of the eyes. Conservative: false where one
+  // Tells whether no eye in `eyes` can see any of `what`: every segment between them meets the input. Both sides of
+  // every triangle hide, but nothing does within near_reach (world units) of the eyes. Conservative: false where one
   // connected surface does not hide all of it from all of the cell. O(log n + triangles between the two), typically.
   [[nodiscard]] bool hides(const CellBox& eyes, const CellBox& what, double near_reach = 0.0) const;
 
-  // Of all objects.
+  // Counts the triangles of all objects.
   [[nodiscard]] std::size_t triangle_count() const noexcept;
-  // For the library.
+  // Returns the surfaces, for the library.
   [[nodiscard]] const CellSurface& surface() const noexcept { return *surface_; }
-  // For the library.
+  // Returns the boxes inside of solids, for the library.
   [[nodiscard]] const InnerBoxes& boxes() const noexcept { return *boxes_; }
 
  private:
@@ -185,15 +185,15 @@ struct CellCut {
 // With a budget, splits are made in the order of the error below them, the largest first, until one does not fit.
 class CellBuilder {
  public:
-  // Without occluders CellOcclusion::hull hides nothing. Hierarchies and occluders outlive the builder; `occluders` are
-  // of the same objects. Throws Error when a hierarchy is missing or damaged, a placement cannot be inverted, or an
-  // option is out of its range: a budget below the triangles of the base meshes is.
+  // Chooses by these occluders; without any, CellOcclusion::hull hides nothing. Hierarchies and occluders outlive the
+  // builder; `occluders` are of the same objects. Throws Error when a hierarchy is missing or damaged, a placement
+  // cannot be inverted, or an option is out of its range: a budget below the triangles of the base meshes is.
   CellBuilder(std::span<const RefineObject> objects, const CellOccluders* occluders, const CellOptions& options);
   ~CellBuilder();
   CellBuilder(CellBuilder&&) noexcept;
   CellBuilder& operator=(CellBuilder&&) noexcept;
 
-  // Throws Error when the cell is not finite or inverted.
+  // Chooses the cut of a cell. Throws Error when the cell is not finite or inverted.
   const CellCut& build(const CellBox& cell);
 
  private:
@@ -209,14 +209,13 @@ enum class CellDivision : std::uint32_t {
   gain      // if its parts draw, on average by volume, less than nine tenths of what it draws
 };
 
-// All that decides what is in a .vlod file, besides the objects.
+// All that decides what is in a .vlod file, besides the objects. Root cells are divided ten times at most.
 struct CellTreeOptions {
   CellOptions cell = {};  // of each cell
   // The eye may be anywhere in these boxes, world space. Each is divided by itself; they may overlap.
   std::vector<CellBox> regions = {};
   double root_cell = 16.0;     // world units, > 0: a region is cut into equal boxes whose edges are no longer
   double smallest_cell = 1.0;  // world units, > 0: no edge is halved that would become shorter
-  std::uint32_t levels = 10;   // of cells below those, at most; at most 32
   std::uint64_t max_triangles = 200'000;          // to draw: a cell that draws more is divided if `division` says so
   CellDivision division = CellDivision::halving;  // whether that is worth while
   // How far occluders may have moved, world units, >= 0; a quarter of smallest_cell unless it is given. See

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -19,21 +18,12 @@
 
 namespace occlod {
 
-// What a node adds: as VlodFile::read(), which it calls in the end. Any number of threads may call it.
-using CellReader = std::function<CellAdditions(CellId cell, std::span<const CellAdditions* const> ancestors)>;
-
 // How a walk runs.
 struct WalkOptions {
   // Bytes that may be in memory of what nodes add, of triangles to draw, and of the geometry of a packed file: a hard
   // limit, but for what is just being loaded. What all cells have in common is always there.
   std::size_t memory = std::size_t{256} << 20U;
-  bool prefetch = true;    // load cells before the eye is in them
-  int loaders = 1;         // threads that load, in [0, 64]; 0: none, a CellLoader has to
-  CellReader reader = {};  // instead of VlodFile::read(), if there is one
-  // Called before geometry of a packed file is read, with its bytes, on the thread that reads: for simulated disks.
-  std::function<void(std::uint64_t bytes)> before_geometry = {};
-  // Told in one line what could not be loaded, by step().
-  std::function<void(const std::string& line)> note = {};
+  int loaders = 1;  // threads that load, in [0, 64]; 0: none, a CellLoader has to
 };
 
 // Neighbours among the triangles of an object.
@@ -72,37 +62,40 @@ struct WalkedFrame {
   std::size_t loads = 0;              // that have ended since
   std::size_t resident_bytes = 0;     // of what WalkOptions::memory limits
   std::vector<WalkedObject> objects;  // as given to the walker, or as the file has them
+  std::vector<std::string> notes;     // what could not be loaded, one line each; told once
   // As long as it is kept, what `objects` point to stays as it is, whatever the walker does, but for hierarchies and
   // `surface`, which belong to whoever made them and to the file.
   std::shared_ptr<const void> owner;
 };
 
 // A part of the triangles of an object.
-struct DrawRange {
+struct ObjectRange {
   std::uint32_t object = 0;  // index of the object
   std::uint32_t first = 0;   // index into its triangles
   std::uint32_t count = 0;   // of triangles, >= 1
 };
 
-// The blocks of a frame that may be inside the frustum, neighbouring ones joined. Clears `out`. O(blocks).
+// Finds the blocks of a frame that may be inside the frustum, neighbouring ones joined. Clears `out`. O(blocks).
 void ranges_in_view(const WalkedFrame& frame, std::span<const RefineObject> objects, const View& view,
-                    std::vector<DrawRange>& out);
+                    std::vector<ObjectRange>& out);
 
-// The objects of a file, without hierarchies: for ranges_in_view() of a walk through a packed file.
+// Returns the objects of a file, without hierarchies: for ranges_in_view() of a walk through a packed file.
 [[nodiscard]] std::vector<RefineObject> placements(const VlodFile& file);
 
 class CellLoader;
+struct WalkTrial;
 
 // Chooses what to draw in each frame. Loads ahead what the motion of the eye makes likely, in other threads; a cell is
 // prepared there as a whole, and shown when it is ready. Until then the cut of the deepest node above it that is there
 // is drawn, all of whose splits the cell has too, with its error (docs/guide/view_cells.md#walking).
 class CellWalker {
  public:
-  // `objects`: those that the file was opened with; their hierarchies outlive the walker. Reads what all cells have in
-  // common. Throws Error when that cannot be read or options are out of their range: then the least memory is named.
+  // Walks through a file; `objects` are those that it was opened with; their hierarchies outlive the walker. Reads what
+  // all cells have in common. Throws Error when that cannot be read or options are out of their range: then the least
+  // memory is named.
   CellWalker(std::shared_ptr<const VlodFile> file, std::span<const RefineObject> objects,
              const WalkOptions& options = {});
-  // Through a packed file that was opened without objects: no hierarchies are needed.
+  // Walks through a packed file that was opened without objects: no hierarchies are needed.
   explicit CellWalker(std::shared_ptr<const VlodFile> file, const WalkOptions& options = {});
   // Waits for reads that have begun.
   ~CellWalker();
@@ -112,6 +105,9 @@ class CellWalker {
   // Goes on to this eye (world space, finite), `seconds` >= 0 after the step before. Never waits for the disk, reads,
   // or throws because of it. O(cells that may be entered soon), microseconds.
   const WalkedFrame& step(const glm::dvec3& eye, double seconds);
+
+  // Varies the walk for simulated disks and tests, before the first step.
+  void set_trial(WalkTrial trial);
 
  private:
   friend class CellLoader;
@@ -123,7 +119,7 @@ class CellWalker {
 // each. The walker outlives it.
 class CellLoader {
  public:
-  // Of a walker with WalkOptions::loaders = 0, or beside its own.
+  // Loads for a walker with WalkOptions::loaders = 0, or beside its own.
   explicit CellLoader(CellWalker& walker);
   ~CellLoader();
   CellLoader(const CellLoader&) = delete;

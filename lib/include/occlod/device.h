@@ -40,7 +40,7 @@ struct NodeDraw {
   std::uint32_t object = 0;           // index into the objects of begin_frame
   NodeId node = 0;                    // of that object's HLOD
   std::span<const DrawRange> ranges;  // at least one, ascending; none when `cut` is drawn
-  // If not empty: the triangles of the node refined within by its first `splits` splits (NodeCut::indices in within.h),
+  // If not empty: the triangles of the node refined within by its first `splits` splits (NodeCut::indices),
   // three indices each into the positions of Hlod::mesh() and, after them, of Hlod::within(). The same number of splits
   // of a node always comes with the same triangles.
   std::span<const std::uint16_t> cut = {};
@@ -76,7 +76,7 @@ class RenderDevice {
   RenderDevice& operator=(const RenderDevice&) = delete;
   virtual ~RenderDevice() = default;
 
-  // For reports, e.g. "software".
+  // Returns the name for reports, e.g. "software".
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
 
   // Starts a frame with an empty image; forgets the queries of the last. The span need live only during the call, the
@@ -84,17 +84,17 @@ class RenderDevice {
   virtual void begin_frame(const View& view, std::span<const PlacedHlod> objects) = 0;
   // Draws part of a node.
   virtual void draw(const NodeDraw& draw) = 0;
-  // How many pixels of the fronts of these boxes (at least one) pass the depth test: one count for all, the sum of
+  // Asks how many pixels of the fronts of these boxes (at least one) pass the depth test: one count for all, the sum of
   // theirs, at most the pixels of the image. Boxes are grown by about a pixel, so that one that holds a visible point
   // is never counted 0. Boxes that cross the near plane, are not finite, inside out or reach farther than 65,536 pixels
   // from the middle of the image count all pixels of the image; those beside it or wholly before the near plane none.
   [[nodiscard]] virtual QueryId ask(std::span<const BoxRef> boxes) = 0;
-  // The same with a count for each box, in one batch.
+  // Asks the same with a count for each box, in one batch.
   [[nodiscard]] virtual QueryId ask_each(std::span<const BoxRef> boxes) = 0;
-  // Whether wait() would not wait. Never waits itself.
+  // Tells whether wait() would not wait. Never waits itself.
   [[nodiscard]] virtual bool available(QueryId query) = 0;
-  // The counts, in pixels. They live until the next call of ask(), ask_each() or begin_frame(). Throws Error when there
-  // is no answer after 10 s.
+  // Waits for the counts, in pixels. They live until the next call of ask(), ask_each() or begin_frame(). Throws Error
+  // when there is no answer after 10 s.
   [[nodiscard]] virtual std::span<const std::uint32_t> wait(QueryId query) = 0;
   // Tells that traversal has looked at so many nodes, which devices with simulated time count.
   virtual void visit(std::size_t nodes) = 0;
@@ -103,11 +103,6 @@ class RenderDevice {
 };
 
 // The device `software`: our rasteriser, with exact counts at once. The picture and the truth for every other device.
-
-// How the software device draws.
-struct SoftwareDeviceOptions {
-  bool items = false;  // keep which triangle owns each pixel; drawing then takes about twice as long
-};
 
 // What has been done since begin_frame().
 struct DeviceWork {
@@ -125,8 +120,9 @@ struct DeviceWork {
 // the calling thread always.
 class SoftwareDevice final : public RenderDevice {
  public:
-  // Allocates nothing before the first frame.
-  explicit SoftwareDevice(const SoftwareDeviceOptions& options = {});
+  // `keep_items`: keeps which triangle owns each pixel, for items(); drawing then takes about twice as long. Allocates
+  // nothing before the first frame.
+  explicit SoftwareDevice(bool keep_items = false);
   ~SoftwareDevice() override;
 
   [[nodiscard]] std::string_view name() const noexcept override;
@@ -139,11 +135,11 @@ class SoftwareDevice final : public RenderDevice {
   void visit(std::size_t nodes) override;
   FrameTimes end_frame() override;
 
-  // Of this frame, or the last where it has ended.
+  // Returns what was done in this frame, or the last where it has ended.
   [[nodiscard]] const DeviceWork& work() const noexcept;
-  // A copy of what is drawn, or has been where the frame has ended. O(pixels).
+  // Copies what is drawn, or has been where the frame has ended. O(pixels).
   [[nodiscard]] DepthBuffer depth() const;
-  // What is drawn likewise; with SoftwareDeviceOptions::items. Triangle i of the frame's k-th draw is item i + the
+  // Returns what is drawn likewise, of a device that keeps items. Triangle i of the frame's k-th draw is item i + the
   // triangles of the draws before it, in the order of the ranges.
   [[nodiscard]] const ItemBuffer& items() const noexcept;
 

@@ -36,27 +36,27 @@ class Context {
   Context& operator=(Context&&) = delete;
   virtual ~Context() = default;
 
-  // The OpenGL entry points that the backends use; theirs alone.
+  // Returns the OpenGL entry points that the backends use; theirs alone.
   [[nodiscard]] virtual const Functions& functions() const noexcept = 0;
-  // "egl-surfaceless", "egl-device" or "osmesa".
+  // Returns "egl-surfaceless", "egl-device" or "osmesa".
   [[nodiscard]] virtual std::string_view platform_name() const noexcept = 0;
-  // GL_RENDERER, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)".
+  // Returns GL_RENDERER, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)".
   [[nodiscard]] virtual std::string renderer() const = 0;
-  // GL_VERSION.
+  // Returns GL_VERSION.
   [[nodiscard]] virtual std::string version() const = 0;
-  // Cheap when it is current already. Throws Error when another thread holds it.
+  // Makes the context current, which is cheap when it is already. Throws Error when another thread holds it.
   virtual void make_current() = 0;
 
  protected:
   Context() = default;
 };
 
-// Current on return. Throws Error that says which library or extension is missing and what to install. The first call
-// sets the environment variable LP_NUM_THREADS to 0 for this process, unless it is set: Mesa's llvmpipe then draws on
-// the calling thread, where a query that is waited for takes 14 instead of 85 us. Other drivers do not read it. Like
-// every setenv, not to be raced with getenv on other threads.
+// Creates a context, which is current on return. Throws Error that says which library or extension is missing and what
+// to install. The first call sets the environment variable LP_NUM_THREADS to 0 for this process, unless it is set:
+// Mesa's llvmpipe then draws on the calling thread, where a query that is waited for takes 14 instead of 85 us. Other
+// drivers do not read it. Like every setenv, not to be raced with getenv on other threads.
 [[nodiscard]] std::unique_ptr<Context> create_context(Platform platform);
-// EGL, else OSMesa; throws the reasons of both.
+// Creates one by EGL, else by OSMesa; throws the reasons of both.
 [[nodiscard]] std::unique_ptr<Context> create_any_context();
 
 // The backend `gl-query`: OpenGL occlusion queries in flights, as in Birkholz & Rahn, sec. 3.1 and 3.3.
@@ -104,17 +104,17 @@ struct CallCounts {
 // A device whose picture can be read back.
 class HlodDevice : public hlod::RenderDevice {
  public:
-  // The picture drawn since begin_frame(): flat two-sided shading with the lights and the background of shade(),
+  // Reads the picture drawn since begin_frame(): flat two-sided shading with the lights and the background of shade(),
   // vertex colours where there are any. Waits for the drawing. Throws Error when OpenGL reports one.
   [[nodiscard]] virtual Image read_image() = 0;
-  // Its depths; one of the samples of each pixel with `quality`. Likewise.
+  // Reads its depths likewise; one of the samples of each pixel with `quality`.
   [[nodiscard]] virtual DepthBuffer read_depth() = 0;
-  // Counts of the cache of meshes.
+  // Returns counts of the cache of meshes.
   [[nodiscard]] virtual MeshMemory mesh_memory() const noexcept = 0;
-  // Counts since begin_frame().
+  // Returns counts since begin_frame().
   [[nodiscard]] virtual CallCounts calls() const noexcept = 0;
-  // Whether gpu_ms and starve_ms are measured: not on drivers without timer queries, nor on those that draw on the CPU,
-  // whose timers tell nothing of use. They are 0 then.
+  // Tells whether gpu_ms and starve_ms are measured: not on drivers without timer queries, nor on those that draw on
+  // the CPU, whose timers tell nothing of use. They are 0 then.
   [[nodiscard]] virtual bool measures_gpu() const noexcept = 0;
 };
 

@@ -85,7 +85,7 @@ struct Level {
   std::uint32_t node_count = 0;  // > 0
 };
 
-// For NodeMesh::merged_into.
+// Marks vertices in NodeMesh::merged_into that stay where they are.
 inline constexpr std::uint16_t stays = 0xffff;
 
 // The mesh of one node. Positions are those of vertices of the input, bit for bit, and so are attributes. Where the
@@ -140,10 +140,10 @@ struct HlodView {
   std::uint64_t input_triangle_count = 0;  // of level 0
   Grouping grouping = Grouping::shifted;   // how it was built
   Borders borders = Borders::locked;       // likewise
-  std::uint32_t node_triangles = 0;        // likewise: BuildOptions::node_triangles
+  std::uint32_t node_triangles = 0;        // likewise: HlodBuildOptions::node_triangles
   bool has_normals = false;                // whether meshes have them
   bool has_colors = false;                 // likewise
-  std::span<const NodeWithin> within;      // by node; empty without BuildOptions::within
+  std::span<const NodeWithin> within;      // by node; empty without HlodBuildOptions::within
   std::span<const std::byte> splits;       // of all nodes: the arrays of NodeSplits
   bool has_texture_coordinates = false;    // whether meshes have them
   bool has_materials = false;              // whether meshes say which material their vertices have
@@ -151,7 +151,7 @@ struct HlodView {
   std::span<const Material> materials;     // that NodeMesh::materials index
   std::span<const Texture> textures;       // that materials index
   TextureOrigin texture_origin = TextureOrigin::bottom_left;  // of texture coordinates
-  float lattice_step = 0.0F;  // all coordinates are multiples of it, BuildOptions::quantise_bits; 0: as the input's
+  float lattice_step = 0.0F;  // all coordinates are multiples of it, HlodBuildOptions::quantise_bits; 0: as the input's
 };
 
 inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes, and of its splits
@@ -163,31 +163,31 @@ class NodeStore;
 // uses the store may read meshes.
 class Hlod {
  public:
-  // Of nothing: without nodes.
+  // Makes an HLOD of nothing, without nodes.
   Hlod() = default;
-  // Arrays that `owner` keeps alive and that do not change. Their sizes and indices fit together: check_structure() in
-  // validate.h returns nothing.
+  // Takes arrays that `owner` keeps alive and that do not change. Their sizes and indices fit together:
+  // check_structure() returns nothing.
   Hlod(const HlodView& view, std::shared_ptr<const void> owner);
 
-  // Of an HLOD in a mapped file meshes have been checked only where require() was called.
+  // Returns the arrays. Of an HLOD in a mapped file meshes have been checked only where require() was called.
   [[nodiscard]] const HlodView& data() const noexcept { return view_; }
-  // In all levels.
+  // Counts the nodes of all levels.
   [[nodiscard]] std::size_t node_count() const noexcept { return view_.nodes.size(); }
-  // From the input to the coarsest.
+  // Counts the levels, from the input to the coarsest.
   [[nodiscard]] std::size_t level_count() const noexcept { return view_.levels.size(); }
-  // n < node_count().
+  // Returns what is known of node n < node_count().
   [[nodiscard]] const Node& node(NodeId n) const noexcept { return view_.nodes[n]; }
-  // Of node n, one for each parent, or one of a root.
+  // Returns the patches of node n: one for each parent, or one of a root.
   [[nodiscard]] std::span<const Patch> patches(NodeId n) const noexcept {
     return view_.patches.subspan(node(n).first_patch, node(n).patches);
   }
-  // Of node n: the nodes that it replaces in part, ascending.
+  // Returns the nodes that node n replaces in part, ascending.
   [[nodiscard]] std::span<const NodeId> children(NodeId n) const noexcept {
     return view_.children.subspan(node(n).first_child, node(n).children);
   }
-  // Whose meshes come and go (node_store.h); null where all are always there.
+  // Returns the store whose meshes come and go (node_store.h); null where all are always there.
   [[nodiscard]] NodeStore* store() const noexcept { return store_; }
-  // Whether the mesh of node n is there; always without a store.
+  // Tells whether the mesh of node n is there; always without a store.
   [[nodiscard]] bool is_resident(NodeId n) const noexcept { return resident_ == nullptr || resident_[n] != nullptr; }
   // Call before the first use of the mesh of node n: checks the part of a mapped file that holds it, and throws Error
   // when it is damaged; with a store, when it is not there. Nothing to do for other HLODs and when it has been checked
@@ -195,19 +195,19 @@ class Hlod {
   void require(NodeId n) const {
     if (!is_resident(n) || (checked_ != nullptr && !checked_[n].load(std::memory_order_acquire))) check_mesh(n);
   }
-  // Whether node n can be refined within: it has splits. n < node_count().
+  // Tells whether node n can be refined within: it has splits. n < node_count().
   [[nodiscard]] bool has_within(NodeId n) const noexcept { return !view_.within.empty() && view_.within[n].splits > 0; }
   // Call before the first use of the splits of node n; otherwise like require().
   void require_within(NodeId n) const {
     if (within_checked_ != nullptr && !within_checked_[n].load(std::memory_order_acquire)) check_within(n);
   }
-  // Both for all nodes. O(bytes) the first time.
+  // Does both for all nodes. O(bytes) the first time.
   void require_all() const;
-  // Of node n, which has been required.
+  // Returns the mesh of node n, which has been required.
   [[nodiscard]] NodeMesh mesh(NodeId n) const noexcept;
-  // Of node n, which has_within() and whose splits have been required.
+  // Returns the splits of node n, which has_within() and whose splits have been required.
   [[nodiscard]] NodeSplits within(NodeId n) const noexcept;
-  // That the arrays occupy; meshes in a store do not count.
+  // Returns the bytes that the arrays occupy; meshes in a store do not count.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
@@ -237,9 +237,10 @@ class Hlod {
 // check_structure(). Returns what is wrong, or nothing. O(size of the mesh).
 [[nodiscard]] std::optional<std::string> check_mesh(const HlodView& data, NodeId n);
 
-// The same for its splits: their parents come before them, errors are finite and descend. O(size of the splits).
+// Checks the same for its splits: their parents come before them, errors are finite and descend. O(size of the splits).
 [[nodiscard]] std::optional<std::string> check_within(const HlodView& data, NodeId n);
 
+<<<<<<< HEAD
 // How thoroughly validate() looks.
 struct ValidateOptions {
   std::size_t random_fronts = 64;  // random legal fronts whose boundary is compared with the input's
@@ -257,15 +258,28 @@ struct ValidateOptions {
 // per violation (at most 20), none when all hold. Throws Error when a mapped file is damaged. O(size + nodes *
 // random_fronts); with splits O(size * random_fronts).
 [[nodiscard]] std::vector<std::string> validate(const Hlod& hlod, const ValidateOptions& options = {});
+=======
+// Checks five invariants: (1) no error is smaller than a child's, and boxes and spheres contain what they say; (2) all
+// vertices of a node are vertices of its children; (3) the triangles of a node are those of its children that it
+// replaces, with its merges applied, where degenerate ones vanish and opposite ones cancel; (4) where borders are
+// locked, every vertex is merged in one node only, and the oriented boundary of `random_fronts` random legal fronts is
+// that of the input with the merges of all coarser nodes applied: no crack opens between nodes of different levels; (5)
+// of nodes with splits, all splits together give the triangles that the node was made from, and none of them its mesh,
+// triangle for triangle; their errors descend from that of the node; and (4) holds too for fronts on which nodes whose
+// parents are all refined are drawn with a random number of their splits. Returns one line per violation (at most 20),
+// none when all hold. Throws Error when a mapped file is damaged. O(size + nodes * random_fronts); with splits O(size *
+// random_fronts).
+[[nodiscard]] std::vector<std::string> validate(const Hlod& hlod, std::size_t random_fronts = 64);
+>>>>>>> main
 
-// True iff the nodes of level 0 together are exactly the triangles of `mesh`, rounded to the HLOD's lattice and cleaned
-// if it has one: the same positions in the same rotational order, each as often, with the same material and, at each
-// corner, the same of those attributes that the mesh has, to the bit. O(n log n).
+// Returns true iff the nodes of level 0 together are exactly the triangles of `mesh`, rounded to the HLOD's lattice and
+// cleaned if it has one: the same positions in the same rotational order, each as often, with the same material and, at
+// each corner, the same of those attributes that the mesh has, to the bit. O(n log n).
 [[nodiscard]] bool restores(const Hlod& hlod, const TriangleMesh& mesh);
 
-// The same of a source, whose pieces are read once: compares how many triangles there are, and sums of hashes (128
-// bits) of their positions alone. Triangles with two corners at one place do not count. Meshes of the HLOD are checked
-// one by one; O(n) time, memory for one piece.
+// Tells the same of a source, whose pieces are read once: compares how many triangles there are, and sums of hashes
+// (128 bits) of their positions alone. Triangles with two corners at one place do not count. Meshes of the HLOD are
+// checked one by one; O(n) time, memory for one piece.
 [[nodiscard]] bool restores(const Hlod& hlod, const TriangleSource& source);
 
 // The error of a node on the screen.
@@ -283,35 +297,37 @@ struct ScreenScale {
   bool orthographic = false;     // rays are parallel: errors look the same at every distance
 };
 
-// Of an object in a view: `object` was made for `view`.
+// Returns the scale of an object in a view: `object` was made for `view`.
 [[nodiscard]] ScreenScale screen_scale(const View& view, const ObjectView& object);
 
-// World units from the eye to the nearest point of the box, or less where the placement shears; not for parallel rays.
+// Returns the world units from the eye to the nearest point of the box, or less where the placement shears; not for
+// parallel rays.
 [[nodiscard]] double distance_to(const Box& box, const ScreenScale& scale);
 
-// Pixels that the node's error covers at most where the node is nearest to the eye: the larger of its own error at its
-// box and its children's at its lod_box. No less than for any child of the node, seen from anywhere, so a front of
-// nodes whose error is below a tolerance is legal as it is.
+// Returns the pixels that the node's error covers at most where the node is nearest to the eye: the larger of its own
+// error at its box and its children's at its lod_box. No less than for any child of the node, seen from anywhere, so a
+// front of nodes whose error is below a tolerance is legal as it is.
 [[nodiscard]] double screen_error_px(const Node& node, const ScreenScale& scale);
 
-// The same by the nearest point of the node's sphere, as published methods have it: coarser, and no less than for any
-// child either.
+// Returns the same by the nearest point of the node's sphere, as published methods have it: coarser, and no less than
+// for any child either.
 [[nodiscard]] double sphere_error_px(const Node& node, const ScreenScale& scale);
 
-// Pixels that Node::guaranteed_error covers at most: seen from the eye, no point of the node's triangles is farther
-// from the input. By the nearest point of lod_box, so no less than for any child.
+// Returns the pixels that Node::guaranteed_error covers at most: seen from the eye, no point of the node's triangles is
+// farther from the input. By the nearest point of lod_box, so no less than for any child.
 [[nodiscard]] double guaranteed_error_px(const Node& node, const ScreenScale& scale);
 
-// As screen_error_px() of a node that is refined within as far as possible: what is left is its children's error, at
-// its lod_box. No less than the error of any child, so on a front of nodes for which it is below a tolerance, those
+// Returns screen_error_px() of a node that is refined within as far as possible: what is left is its children's error,
+// at its lod_box. No less than the error of any child, so on a front of nodes for which it is below a tolerance, those
 // whose own error is not can be refined within.
 [[nodiscard]] double min_screen_error_px(const Node& node, const ScreenScale& scale);
-// Likewise, by the sphere.
+// Returns the same by the sphere.
 [[nodiscard]] double min_sphere_error_px(const Node& node, const ScreenScale& scale);
 
-// The error in object units that covers so many pixels where the node's box is nearest to the eye. For within_cut().
+// Returns the error in object units that covers so many pixels where the node's box is nearest to the eye. For
+// within_cut().
 [[nodiscard]] double screen_error_limit(const Node& node, const ScreenScale& scale, double pixels);
-// Likewise, of the sphere.
+// Returns the same for the sphere.
 [[nodiscard]] double sphere_error_limit(const Node& node, const ScreenScale& scale, double pixels);
 
 }  // namespace occlod::hlod

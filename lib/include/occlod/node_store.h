@@ -1,5 +1,5 @@
 // Meshes of nodes that come and go: an HLOD that is larger than memory, drawn within a fixed number of bytes. Traversal
-// tells what it needs and what it waits for; a thread reads. Opened by open_ohlod() in occlod/io/ohlod.h.
+// tells what it needs and what it waits for; a thread reads. open_ohlod() opens them.
 #pragma once
 
 #include <cstddef>
@@ -19,15 +19,13 @@ namespace occlod::hlod {
 // How meshes come.
 enum class LoadMode {
   blocking,  // at once, on the thread that traverses, which waits for the disk
-  async,     // read by a thread of the store; frames never wait
+  async,     // read by a thread of the store; frames never wait, and take over 4 MB at most, or one mesh
 };
 
 // What a store may use, and how it reads.
 struct CacheOptions {
   std::size_t budget_bytes = std::size_t{256} << 20U;  // of meshes, those that are being read included: a hard limit
   LoadMode load = LoadMode::async;                     // how meshes come
-  // That come in one frame at most, if it is more than one mesh; with blocking there is no such limit. > 0
-  std::size_t frame_bytes = std::size_t{4} << 20U;
 };
 
 // What a store holds and has done.
@@ -54,9 +52,9 @@ class MeshSource;
 // set_budget() only.
 class NodeStore {
  public:
-  // Of an HLOD without meshes and splits, whose arrays `owner` keeps alive. Reads the meshes of the roots. Throws Error
-  // when they cannot be read, for options out of their range, and for a budget that the roots do not fit in, with the
-  // least that would do.
+  // Stores the meshes of an HLOD without meshes and splits, whose arrays `owner` keeps alive. Reads the meshes of the
+  // roots. Throws Error when they cannot be read, for options out of their range, and for a budget that the roots do
+  // not fit in, with the least that would do.
   NodeStore(const HlodView& view, std::shared_ptr<const void> owner, std::unique_ptr<MeshSource> source,
             const CacheOptions& options);
   // Waits for a read that has begun.
@@ -66,30 +64,30 @@ class NodeStore {
 
   // May be called between frames only: what does not fit any more leaves at once. Throws Error as the constructor does.
   void set_budget(std::size_t bytes);
-  // O(1).
+  // Returns what the store holds and has done. O(1).
   [[nodiscard]] StoreStats stats() const;
-  // One line for each node that has failed since the last call.
+  // Returns one line for each node that has failed since the last call.
   [[nodiscard]] std::vector<std::string> take_failures();
 
-  // For comparisons with papers, before the first frame and with LoadMode::async: what slows the file down
+  // Slows the file down, for comparisons with papers, before the first frame and with LoadMode::async
   // (bench/papers).
   void set_link(std::unique_ptr<MeshLink> link);
 
-  // What follows is for traversal. A frame begins: what has been read comes.
+  // What follows is for traversal. Begins a frame: what has been read comes.
   void begin_frame();
-  // Whether the mesh of node n is there or, with LoadMode::blocking, may be had by fetch().
+  // Tells whether the mesh of node n is there or, with LoadMode::blocking, may be had by fetch().
   [[nodiscard]] bool may_have(NodeId n) const noexcept;
-  // Whether the meshes of all these nodes are there; with LoadMode::blocking they are read if need be.
+  // Tells whether the meshes of all these nodes are there; with LoadMode::blocking they are read if need be.
   [[nodiscard]] bool fetch(std::span<const NodeId> nodes);
-  // The mesh of node n, which is there, is used in this frame.
+  // Tells that the mesh of node n, which is there, is used in this frame.
   void need(NodeId n) noexcept;
-  // Something coarser is drawn in place of these nodes, of which some are missing. They are read together or, where
-  // there is no room for all, not at all; those with the largest priority first, of which that of each node is the sum
-  // over all calls in a frame.
+  // Tells that something coarser is drawn in place of these nodes, of which some are missing. They are read together
+  // or, where there is no room for all, not at all; those with the largest priority first, of which that of each node
+  // is the sum over all calls in a frame.
   void want(std::span<const NodeId> nodes, double priority);
-  // The mesh of node n may be of use soon. Comes after all that is wanted.
+  // Tells that the mesh of node n may be of use soon. It comes after all that is wanted.
   void prefetch(NodeId n);
-  // The frame ends: what is missing is asked for, and room made for it.
+  // Ends the frame: what is missing is asked for, and room made for it.
   void end_frame();
 
  private:
@@ -98,7 +96,7 @@ class NodeStore {
   std::unique_ptr<Impl> impl_;
 };
 
-// The HLOD whose meshes the store holds, and which keeps it alive.
+// Returns the HLOD whose meshes the store holds, and which keeps it alive.
 [[nodiscard]] Hlod paged_hlod(const std::shared_ptr<NodeStore>& store);
 
 }  // namespace occlod::hlod
@@ -126,19 +124,19 @@ struct OhlodFile {
 void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report,
                  OlodCompression compression = OlodCompression::zstd);
 
-// Checks magic, version, sizes, and all that is known of nodes without their meshes: O(nodes). The mesh of a node is
-// checked (checksum and content) when Hlod::require() is first called for it, its splits when require_within() is;
-// require_all() checks the whole file. All throw Error that says what failed and where. Of a compressed file, what has
-// been checked is kept in memory, decompressed: all meshes and splits at most.
+// Reads a file: checks magic, version, sizes, and all that is known of nodes without their meshes: O(nodes). The mesh
+// of a node is checked (checksum and content) when Hlod::require() is first called for it, its splits when
+// require_within() is; require_all() checks the whole file. All throw Error that says what failed and where. Of a
+// compressed file, what has been checked is kept in memory, decompressed: all meshes and splits at most.
 //
 // What read_olod() says of mapped files holds here too: a file that is open must not be cut short.
 [[nodiscard]] OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access = OlodAccess::mapped);
 
-// The same without meshes: these come and go within a budget while the HLOD is traversed, checked as they come (see
-// node_store.h, Hlod::store()). Splits within nodes are left out. What is known of nodes without their meshes is
-// copied, so that nothing depends on what becomes of the file: a mesh that is damaged or gone never comes, coarser ones
-// are drawn in its place, and NodeStore::take_failures() tells. Throws Error as read_ohlod() does, for options out of
-// their range, a budget that is too small, and when the coarsest nodes are damaged. O(nodes).
+// Opens a file without its meshes: these come and go within a budget while the HLOD is traversed, checked as they come
+// (see Hlod::store()). Splits within nodes are left out. What is known of nodes without their meshes is copied, so that
+// nothing depends on what becomes of the file: a mesh that is damaged or gone never comes, coarser ones are drawn in
+// its place, and NodeStore::take_failures() tells. Throws Error as read_ohlod() does, for options out of their range, a
+// budget that is too small, and when the coarsest nodes are damaged. O(nodes).
 [[nodiscard]] OhlodFile open_ohlod(const std::filesystem::path& path, const hlod::CacheOptions& cache);
 
 }  // namespace occlod

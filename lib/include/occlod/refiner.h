@@ -36,7 +36,7 @@ struct ObjectEffects {
   bool occlusion = true;                       // ask whether parts of it are hidden; it hides others in any case
   std::uint64_t regions = all_effect_regions;  // occlusion: only in the regions whose bits are set
 
-  // Number of regions in which occlusion is asked about.
+  // Counts the regions in which occlusion is asked about.
   [[nodiscard]] int regions_on() const noexcept { return occlusion ? std::popcount(regions) : 0; }
   friend bool operator==(const ObjectEffects&, const ObjectEffects&) = default;
 };
@@ -56,12 +56,12 @@ struct ObjectEffectStats {
   };
   std::array<Region, effect_region_count> regions{};  // by region
 
-  // Queries in all regions.
+  // Counts the queries in all regions.
   [[nodiscard]] std::size_t queries() const noexcept {
     return std::accumulate(regions.begin(), regions.end(), std::size_t{0},
                            [](std::size_t sum, const Region& region) { return sum + region.queries; });
   }
-  // Of these, answered hidden.
+  // Counts those of them that were answered hidden.
   [[nodiscard]] std::size_t hidden() const noexcept {
     return std::accumulate(regions.begin(), regions.end(), std::size_t{0},
                            [](std::size_t sum, const Region& region) { return sum + region.hidden; });
@@ -104,7 +104,7 @@ struct RefineOptions {
   std::vector<ObjectEffects> effects = {};    // what works on each object, by object; empty: everything on all of them
   std::shared_ptr<const Tuning> tuning = {};  // for benchmarks and tests, in place of the method's own; null for users
 
-  // Of what is meant: a tuning equals one with the same values.
+  // Compares what is meant: a tuning equals one with the same values.
   friend bool operator==(const RefineOptions& a, const RefineOptions& b);
 };
 
@@ -155,7 +155,7 @@ struct TriangleRange {
   std::uint32_t count = 0;  // how many
 };
 
-// Draw `vertex` at mix(where its parent is drawn, its own position, t): see geomorph.h.
+// Draw `vertex` at mix(where its parent is drawn, its own position, t): see MorphedPositions.
 struct Geomorph {
   WedgeId vertex = no_id;  // that slides; of a vertex with several wedges each has an entry
   WedgeId parent = no_id;  // from which it slides, a wedge of the parent vertex; itself under way or not
@@ -177,7 +177,8 @@ struct Refinement {
   std::vector<RefinedObject> objects;      // as given to the Refiner
   RefineStats stats;                       // of the call
   std::vector<ObjectEffectStats> effects;  // by object
-  // FNV-1a over the corners of all triangles of every object in order: equal iff they are, for all practical purposes.
+  // Returns FNV-1a over the corners of all triangles of every object in order: equal iff they are, for all practical
+  // purposes.
   [[nodiscard]] std::uint64_t hash() const noexcept;
 };
 
@@ -193,9 +194,9 @@ class MorphedPositions {
   // both.
   void update(std::span<const Geomorph> geomorphs);
 
-  // Of all vertices, object space, after the last update().
+  // Returns the positions of all vertices, object space, after the last update().
   [[nodiscard]] std::span<const glm::vec3> positions() const noexcept { return drawn_; }
-  // Vertices that the last update() may have moved, ascending.
+  // Returns the vertices that the last update() may have moved, ascending.
   [[nodiscard]] std::span<const VertexId> moved() const noexcept { return moved_; }
 
  private:
@@ -242,15 +243,15 @@ inline constexpr std::uint32_t never_asked = ~std::uint32_t{0};
 // Chooses the triangles of all objects for a view. Reuses its memory from view to view; one thread at a time.
 class Refiner {
  public:
-  // Throws Error when a hierarchy is missing.
+  // Refines these objects. Throws Error when a hierarchy is missing.
   explicit Refiner(std::span<const RefineObject> objects);
   ~Refiner();
   Refiner(Refiner&&) noexcept;
   Refiner& operator=(Refiner&&) noexcept;
 
-  // Triangles of all base meshes: the smallest budget that can be kept.
+  // Counts the triangles of all base meshes: the smallest budget that can be kept.
   [[nodiscard]] std::size_t base_triangles() const noexcept;
-  // Triangles of all objects with all splits applied.
+  // Counts the triangles of all objects with all splits applied.
   [[nodiscard]] std::size_t full_triangles() const noexcept;
 
   // Places objects[object] elsewhere, from the next call on. To refine() this is as if the Refiner had been made so; to

@@ -100,16 +100,20 @@ void write_scene(const std::filesystem::path& path, const SceneDescription& scen
 // / frames), unchanged. The image size is the first key's.
 [[nodiscard]] Camera camera_at(const CameraPath& path, int frame);
 
-// Options of load_objects().
+// Options of load_objects() and load_hlods().
 struct LoadOptions {
-  BuildOptions build = {};  // for hierarchies that have to be built
-  // Keeps hierarchies in ${XDG_CACHE_HOME:-~/.cache}/occlod under a hash of the input's bytes, the options and the
+  BuildOptions build = {};                 // for hierarchies that have to be built
+  hlod::HlodBuildOptions build_hlod = {};  // for an HLOD that has to be built
+  // When set, load_hlods() opens .ohlod files by open_ohlod(), and their meshes are paged. The budget is shared equally
+  // by all files. Objects that are not .ohlod files are then an error.
+  std::optional<hlod::CacheOptions> paged = {};
+  // Keeps what was built in ${XDG_CACHE_HOME:-~/.cache}/occlod under a hash of the input's bytes, the options and the
   // builder's sources.
   bool use_cache = true;
   // Called with the current step and the share of it that is done, in [0, 1]; an exception that it throws ends the
   // loading.
   std::function<void(const std::string& what, double done)> progress = {};
-  // Receives one line when a cache cannot be used; the hierarchy is built all the same.
+  // Receives one line when a cache cannot be used; what is asked for is built all the same.
   std::function<void(const std::string& line)> note = {};
 };
 
@@ -167,19 +171,6 @@ struct PlacedMesh {
 [[nodiscard]] TriangleMesh join_meshes(std::span<const PlacedMesh> meshes, const std::filesystem::path& folder,
                                        const std::string& name);
 
-// Options of load_hlods().
-struct HlodLoadOptions {
-  hlod::BuildOptions build = {};  // for an HLOD that has to be built
-  bool use_cache = true;          // as LoadOptions::use_cache
-  // When set, .ohlod files are opened by open_ohlod() and their meshes are paged. The budget is shared equally by all
-  // files. Objects that are not .ohlod files are then an error.
-  std::optional<hlod::CacheOptions> paged = {};
-  // Is used like LoadOptions::progress.
-  std::function<void(const std::string& what, double done)> progress = {};
-  // Is used like LoadOptions::note.
-  std::function<void(const std::string& line)> note = {};
-};
-
 // One HLOD, ready to be drawn.
 struct LoadedHlod {
   std::shared_ptr<const hlod::Hlod> hlod;  // shared by objects with the same file; all its meshes have been checked or
@@ -194,6 +185,6 @@ struct LoadedHlod {
 // first, then each .ohlod file in the order of the scene. `folder` is as in load_objects(). Throws Error as
 // flatten_scene(), read_ohlod() and open_ohlod() do, and for a mesh without triangles.
 [[nodiscard]] std::vector<LoadedHlod> load_hlods(const SceneDescription& scene, const std::filesystem::path& folder,
-                                                 const HlodLoadOptions& options = {});
+                                                 const LoadOptions& options = {});
 
 }  // namespace occlod

@@ -42,7 +42,6 @@ struct TilesetOptions {
   bool skirts = false;
   UpAxis up = UpAxis::z;                 // of the HLOD
   std::optional<GeodeticOrigin> origin;  // where the HLOD's origin is, x to the east; nothing: no place on Earth
-  std::uint32_t tiles_per_file = 1000;   // the most tiles in a .json, or else one with its children; in [1, 1e6]
   std::filesystem::path image_folder;    // what names of image files are relative to: the folder of the scene or mesh
   bool replace = false;                  // a tileset in the folder, if nothing else is there
   // Called now and then with the share done, in [0, 1]. What it throws ends the writing, and leaves the folder as it
@@ -73,7 +72,7 @@ struct TilesetCounts {
 TilesetCounts write_tileset(const std::filesystem::path& folder, const hlod::Hlod& hlod,
                             const TilesetOptions& options = {});
 
-// Throws what write_tileset() throws for this folder and writes nothing: for programs that compute for long before.
+// Throws what write_tileset() throws for this folder and writes nothing, for programs that compute for long before.
 void check_tileset_output(const std::filesystem::path& folder, bool replace);
 
 }  // namespace occlod::tiles

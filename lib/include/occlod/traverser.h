@@ -19,8 +19,8 @@ struct Bias {
   double s = 1.0;  // share of the sigmoid, in [0, 1]; 0: mu itself, as in Charalambos 2006
   double t = 0.3;  // turning point, in [0, 1]: below it errors count less than by mu, above it more
 
-  // mu: visible pixels of a node's box over all pixels that it covers, clamped to [0, 1]. In [0, 1], monotone; 0 at 0,
-  // 1 at 1.
+  // Returns the share of the error that counts, for mu: visible pixels of a node's box over all pixels that it covers,
+  // clamped to [0, 1]. In [0, 1], monotone; 0 at 0, 1 at 1.
   [[nodiscard]] double operator()(double mu) const noexcept;
 
   friend bool operator==(const Bias&, const Bias&) = default;
@@ -37,7 +37,7 @@ enum class Strategy {
   automatic,  // ours: batch or vfc, whichever is found to take less; the other is tried now and then
 };
 
-// Whether a strategy decides by TraverseOptions::costs: all but vfc and coh.
+// Tells whether a strategy decides by TraverseOptions::costs: all but vfc and coh.
 [[nodiscard]] bool needs_costs(Strategy strategy) noexcept;
 
 // How a frame is traversed.
@@ -139,8 +139,8 @@ struct Trial;
 // Remembers from frame to frame what was visible, as long as the strategy stays. One thread at a time.
 class Traverser {
  public:
-  // The HLODs live as long as the traverser. Throws Error for no objects, a null HLOD, one without nodes, or a
-  // placement that is not affine or cannot be inverted.
+  // Traverses these objects, whose HLODs live as long as the traverser. Throws Error for no objects, a null HLOD, one
+  // without nodes, or a placement that is not affine or cannot be inverted.
   explicit Traverser(std::span<const PlacedHlod> objects);
   Traverser(Traverser&&) noexcept;
   Traverser& operator=(Traverser&&) noexcept;
@@ -163,10 +163,10 @@ class Traverser {
   // store in turn.
   const Frame& draw_frame(const View& view, RenderDevice& device, const TraverseOptions& options = {});
 
-  // As given, with the transforms as they are now.
+  // Returns the objects as given, with the transforms as they are now.
   [[nodiscard]] std::span<const PlacedHlod> objects() const noexcept;
 
-  // For comparisons with papers, from the next frame on: bench/papers.
+  // Varies traversal for comparisons with papers, from the next frame on: bench/papers.
   void set_trial(const Trial& trial);
 
  private:

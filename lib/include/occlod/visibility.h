@@ -98,18 +98,13 @@ class NoOcclusion final : public Visibility {
   std::size_t unanswered_ = 0;
 };
 
-// Options of the software backend.
-struct SoftwareOcclusionOptions {
-  bool count_pixels = false;  // answer with the number of visible pixels that the bound may touch instead of 0 or 1
-};
-
 // Makes the backend `software`: a CPU rasteriser and a depth pyramid, without GPU, display or driver. It works at the
 // resolution of the view. A bound is hidden only if the occluder is strictly nearer than the bound's nearest point at
 // every pixel that the bound may touch: the pixels of an octagon around its outline, or of a rectangle for boxes.
 // Answers are the same on every machine. Many queries in one answer(), or submitted before the first is collected, cost
 // a third of the same queries asked one by one. A bound beside the image touches no pixel and is answered 0; one whose
-// screen rectangle cannot be bounded is visible (with count_pixels: all pixels). Until an occluder is drawn in a view,
+// screen rectangle cannot be bounded is visible. Until an occluder is drawn in a view,
 // everything in the image is visible. Does not allocate once its buffers have grown.
-[[nodiscard]] std::unique_ptr<Visibility> make_software_occlusion(const SoftwareOcclusionOptions& options = {});
+[[nodiscard]] std::unique_ptr<Visibility> make_software_occlusion();
 
 }  // namespace occlod

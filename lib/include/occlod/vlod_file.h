@@ -47,31 +47,31 @@ struct CellNode {
 // Immutable; any number of threads may use one.
 class CellTree {
  public:
-  // Throws Error when `nodes` are no tree in depth-first order, a box is not finite or inverted, or reaches out of its
-  // parent's. `subject`: of the error. O(nodes).
+  // Makes a tree of nodes. Throws Error when `nodes` are no tree in depth-first order, a box is not finite or inverted,
+  // or reaches out of its parent's. `subject`: of the error. O(nodes).
   CellTree(std::vector<CellNode> nodes, const std::string& subject);
 
-  // At least one.
+  // Returns all nodes, at least one.
   [[nodiscard]] std::span<const CellNode> nodes() const noexcept { return nodes_; }
-  // cell < nodes().size().
+  // Returns a node; cell < nodes().size().
   [[nodiscard]] const CellNode& node(CellId cell) const noexcept { return nodes_[cell]; }
-  // Whether it is a view cell: no node is below it.
+  // Tells whether it is a view cell: no node is below it.
   [[nodiscard]] bool is_leaf(CellId cell) const noexcept { return nodes_[cell].end == cell + 1; }
-  // View cells.
+  // Counts the view cells.
   [[nodiscard]] std::uint32_t leaf_count() const noexcept { return leaf_count_; }
 
-  // The leaf whose closed box holds the eye (world space), that with the smallest id on a border; no_id outside all.
-  // O(depth).
+  // Returns the leaf whose closed box holds the eye (world space), that with the smallest id on a border; no_id outside
+  // all. O(depth).
   [[nodiscard]] CellId leaf_of(const glm::dvec3& eye) const;
-  // The leaf whose box is nearest to the eye, that with the smallest id if several are. O(depth), typically.
+  // Returns the leaf whose box is nearest to the eye, that with the smallest id if several are. O(depth), typically.
   [[nodiscard]] CellId nearest_leaf(const glm::dvec3& eye) const;
-  // All leaves whose closed boxes meet the closed box, ascending. Clears `out`.
+  // Finds all leaves whose closed boxes meet the closed box, ascending. Clears `out`.
   void leaves_in(const CellBox& box, std::vector<CellId>& out) const;
-  // The leaves that share a piece of a face with this one, ascending. Clears `out`.
+  // Finds the leaves that share a piece of a face with this one, ascending. Clears `out`.
   void neighbours(CellId leaf, std::vector<CellId>& out) const;
-  // From the root to the cell, both with it. Clears `out`.
+  // Lists the nodes from the root to the cell, both with it. Clears `out`.
   void path_to(CellId cell, std::vector<CellId>& out) const;
-  // The deepest node that is above both or one of them.
+  // Returns the deepest node that is above both or one of them.
   [[nodiscard]] CellId common_ancestor(CellId a, CellId b) const noexcept;
 
  private:
@@ -82,11 +82,11 @@ class CellTree {
 // The .vlod file: what to draw in each cell of space, as a tree of what cells have in common. The layout is described
 // in docs/guide/view_cells.md.
 
-// Of the files that are written; open_vlod() refuses any other.
+// The version of the files that are written; open_vlod() refuses any other.
 inline constexpr std::uint32_t vlod_version = 1;
-// Of packed files, which it reads as well: those that hold the geometry of their cells (pack_cells.h).
+// The version of packed files, which it reads as well: those that hold the geometry of their cells (pack_cells()).
 inline constexpr std::uint32_t packed_vlod_version = 2;
-// Of those among them with texture coordinates, materials or seams.
+// The version of those among them with texture coordinates, materials or seams.
 inline constexpr std::uint32_t textured_vlod_version = 3;
 
 // What one node of the tree adds for one object.
@@ -107,7 +107,7 @@ struct CellAdditions {
   // Splits that several children of the node apply in some leaf, and not all in all leaves: what children add is stored
   // as places in this list. Splits of all objects are numbered through. For VlodFile::read().
   std::vector<std::uint32_t> candidates;
-  // What it takes in memory, about.
+  // Returns what it takes in memory, about.
   [[nodiscard]] std::size_t bytes() const noexcept;
 };
 
@@ -139,37 +139,39 @@ class VlodFile {
   VlodFile(const VlodFile&) = delete;
   VlodFile& operator=(const VlodFile&) = delete;
 
-  // The cells.
+  // Returns the cells.
   [[nodiscard]] const CellTree& tree() const noexcept;
-  // That it was built with; threads and progress are not stored.
+  // Returns the options that it was built with.
   [[nodiscard]] const CellTreeOptions& options() const noexcept;
-  // Number of objects that the cells were built for.
+  // Returns the number of objects that the cells were built for.
   [[nodiscard]] std::size_t object_count() const noexcept;
-  // Of scene and options: files of one key hold the same.
+  // Returns the key of scene and options: files of one key hold the same.
   [[nodiscard]] const std::array<std::uint64_t, 2>& key() const noexcept;
-  // One of vlod_version, packed_vlod_version and textured_vlod_version.
+  // Returns one of vlod_version, packed_vlod_version and textured_vlod_version.
   [[nodiscard]] std::uint32_t version() const noexcept;
-  // The size of the file.
+  // Returns the size of the file.
   [[nodiscard]] std::uint64_t file_bytes() const noexcept;
 
-  // Whether it holds the geometry of its cells.
+  // Tells whether it holds the geometry of its cells.
   [[nodiscard]] bool is_packed() const noexcept;
-  // Zeros where it does not.
+  // Returns what the geometry takes; zeros where there is none.
   [[nodiscard]] PackedCounts packed_counts() const noexcept;
-  // Of an object, object < object_count(); nothing where it is not packed. Valid as long as the file.
+  // Returns the materials of an object, object < object_count(); nothing where it is not packed. Valid as long as the
+  // file.
   [[nodiscard]] SurfaceMaterials materials(std::uint32_t object) const noexcept;
-  // For the library's own use; none where it does not.
+  // Returns the geometry for the library's own use; null where there is none.
   [[nodiscard]] const vlod::PackedGeometry* geometry() const noexcept;
   // For the library's own use.
   [[nodiscard]] std::span<const vlod::StoredObject> objects() const noexcept;
 
-  // What a node adds. `ancestors`: what the nodes above it add, from the root to its parent; tree().node(cell).level of
-  // them. Reads the file at once, by one pread; waits for the disk. Checks checksum, sizes, that ids ascend and are in
-  // range, and, where the file was opened with its objects, that every split that another needs is there and every face
-  // exists. Of a packed file that was opened without objects splits have the numbers of the file, not of a hierarchy.
-  // Throws Error that names the file and the node. Any number of threads may call it. O(bytes).
+  // Reads what a node adds. `ancestors`: what the nodes above it add, from the root to its parent;
+  // tree().node(cell).level of them. Reads the file at once, by one pread; waits for the disk. Checks checksum, sizes,
+  // that ids ascend and are in range, and, where the file was opened with its objects, that every split that another
+  // needs is there and every face exists. Of a packed file that was opened without objects splits have the numbers of
+  // the file, not of a hierarchy. Throws Error that names the file and the node. Any number of threads may call it.
+  // O(bytes).
   [[nodiscard]] CellAdditions read(CellId cell, std::span<const CellAdditions* const> ancestors) const;
-  // Whether it was opened with its objects.
+  // Tells whether it was opened with its objects.
   [[nodiscard]] bool has_objects() const noexcept;
 
  private:
@@ -182,18 +184,18 @@ class VlodFile {
   std::unique_ptr<Impl> impl_;
 };
 
-// Checks all but what nodes add, which read() does. Throws Error that says what is wrong and where. O(nodes).
+// Opens a file and checks all but what nodes add, which read() does. Throws Error that says what is wrong and where.
+// O(nodes).
 [[nodiscard]] std::shared_ptr<const VlodFile> open_vlod(const std::filesystem::path& path);
-// The same, for these objects, whose hierarchies outlive the file. Throws Error also when they are not those that the
-// cells were built for: it says which is not, by its name, if there are `names`: none, or one for each object.
+// Opens a file for these objects, whose hierarchies outlive the file. Throws Error also when they are not those that
+// the cells were built for: it says which is not, by its name, if there are `names`: none, or one for each object.
 // O(nodes + bytes of the hierarchies), of which it reads all.
 [[nodiscard]] std::shared_ptr<const VlodFile> open_vlod(const std::filesystem::path& path,
                                                         std::span<const RefineObject> objects,
                                                         std::span<const std::string> names = {});
 
-// What to draw in the cell of a leaf, as the CellBuilder gave it: for each object. `objects`: that the file was opened
-// with. Reads the whole path. Throws Error as VlodFile::read() does.
-// O(size of the cut).
+// Reads what to draw in the cell of a leaf, as the CellBuilder gave it: for each object. `objects`: that the file was
+// opened with. Reads the whole path. Throws Error as VlodFile::read() does. O(size of the cut).
 [[nodiscard]] std::vector<CellObjectCut> read_cell(const VlodFile& file, std::span<const RefineObject> objects,
                                                    CellId leaf);
 
@@ -206,8 +208,8 @@ struct CellObjectMesh {
   std::vector<glm::vec2> texture_coordinates;  // likewise
   std::vector<MaterialId> materials;           // likewise, of the faces there; see VlodFile::materials()
 };
-// The same of a packed file that was opened without its objects: for each object. Also of a node that is no leaf: all
-// that its cells have in common, but for what faces away from its box. Reads the whole path and the geometry of its
+// Reads the same of a packed file that was opened without its objects: for each object. Also of a node that is no leaf:
+// all that its cells have in common, but for what faces away from its box. Reads the whole path and the geometry of its
 // splits. Throws Error as VlodFile::read() does, and where the geometry is damaged or does not fit together.
 [[nodiscard]] std::vector<CellObjectMesh> read_cell(const VlodFile& file, CellId cell);
 
