@@ -68,6 +68,7 @@ Camera random_camera(const TriangleMesh& mesh, double extent, Random& random) {
   camera.up = {0.1, 0.9, 0.3};
   camera.fov_y_deg = random.in(5.0, 70.0);
   camera.near = 1e-5 * extent;
+  camera.far = 10.0 * extent;
   camera.width = camera.height = 96;
   return camera;
 }
@@ -112,7 +113,7 @@ class Sweep {
         traversers[s].draw_frame(view, device_, trial);
         const std::vector<float> drawn = device_.depth().nearness;
         std::size_t lost = 0;
-        for (std::size_t p = 0; p < drawn.size(); ++p) lost += drawn[p] < input.nearness[p] ? 1 : 0;
+        for (std::size_t p = 0; p < drawn.size(); ++p) lost += drawn[p] < input.nearness[p] ? 1U : 0U;
         EXPECT_EQ(lost, 0U) << "strategy " << static_cast<int>(trial.strategy) << ", view " << i << ", "
                             << options.node_triangles << " triangles a node";
         ++frames;
@@ -138,7 +139,7 @@ HlodBuildOptions random_options(Random& random, int max_node_triangles) {
 
 int hlod_count() {
   const char* const wanted = std::getenv("OCCLOD_SWEEP_HLODS");
-  return wanted == nullptr ? 12 : std::atoi(wanted);
+  return wanted == nullptr ? 60 : std::atoi(wanted);
 }
 
 TEST(InputIsDrawn, OfRandomMeshes) {
