@@ -113,7 +113,7 @@ class Contest {
         }
       }
     for (const AutoRefiner& refiner : settled)
-      choices_ += (choices_.empty() ? "" : " ") + (refiner.report().choice.backend ? "occlusion" : "none");
+      choices_ += std::string(choices_.empty() ? "" : " ") + (refiner.report().choice.backend ? "occlusion" : "none");
   }
 
   [[nodiscard]] Json row(const std::string& scene) const {
