@@ -288,11 +288,14 @@ class AutoRefiner::Impl {
 
   // Chooses the effects for a view, after a look ahead when one is due.
   void choose(Way way, const View& view, const RefineOptions& options) {
-    const bool had_choice = way == Way::going_on && last_;
     const EffectChoice choice_before = std::move(report_.choice);
-    const EffectChoice* const before = had_choice ? &choice_before : nullptr;
     report_ = {};
     if (must_look(way, view, options)) look_ahead(way, view, options);
+    // From scratch a choice is kept where only views with queries have been counted: what a frame without them takes is
+    // the guess then.
+    const bool has_only_asked = from_scratch_.with && !from_scratch_.without && choice_before.backend;
+    const bool had_choice = way == Way::going_on ? last_.has_value() : has_only_asked;
+    const EffectChoice* const before = had_choice ? &choice_before : nullptr;
     ++views_since_look_;
     const Prospect prospect = prospect_of(way, view, options);
     report_.forecasts = forecasts(calibration_, prospect);
