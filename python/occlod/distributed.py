@@ -129,6 +129,7 @@ class _Driver:
         self.running: dict[distributed.Future, Range] = {}
         self.attempts: dict[Range, int] = {}
         self.built: list[Range] = []
+        self.suspects: list[Range] = []  # root cells whose workers died, perhaps of what else ran there
         self.bad: list[int] = []
         self.receipts: list[_Receipt] = []
         self.halved = 0
@@ -144,6 +145,8 @@ class _Driver:
                 future = next(done)
                 waiting.extend(self.take(future, self.running.pop(future)))
                 yield sum(count for _, count in self.built)
+                if not waiting and not self.running and self.suspects:  # one at a time
+                    waiting.append(self.suspects[0])
         finally:
             self.client.cancel(list(self.running))
 
@@ -158,7 +161,11 @@ class _Driver:
         error = future.exception()  # waits where a receipt is lost with its worker: then the task is run again
         if isinstance(error, distributed.KilledWorker):
             if shard[1] == 1:
-                self.bad.append(shard[0])
+                if shard in self.suspects:  # it was alone this time
+                    self.suspects.remove(shard)
+                    self.bad.append(shard[0])
+                else:
+                    self.suspects.append(shard)
                 return []
             self.halved += 1
             return _halves(shard)
@@ -169,6 +176,8 @@ class _Driver:
             if self.attempts[shard] > self.retries:
                 raise Error(str(self.parts.file(shard)), "", "a worker wrote it, but it is not here or not whole", "name a folder that all machines see")
             return [shard]
+        if shard in self.suspects:
+            self.suspects.remove(shard)
         self.built.append(shard)
         self.receipts.append(receipt)
         return []

@@ -34,7 +34,7 @@ TriangleMesh HardViews::mesh() {
   TriangleMesh mesh;
   switch (below(4)) {
     case 0:
-      mesh = noisy_sphere(1 + static_cast<int>(below(2)), random_());
+      mesh = noisy_sphere(1 + static_cast<int>(below(2)), random_() >> 11U);
       break;
     case 1:
       mesh = grid(5, 5);  // flat: the narrowest cones

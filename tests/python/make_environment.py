@@ -78,7 +78,7 @@ def build_wheel(chosen, arguments):
     command = [builder(chosen, arguments.work), "-m", "pip", "wheel", ROOT, "-w", wheels, "--no-deps", "--no-build-isolation", "-q",
                "--disable-pip-version-check", "--no-cache-dir"]
     for setting in settings:
-        command += ["-C", setting]
+        command += ["--config-settings", setting]
     require(*command, env=environment)
     (wheel,) = wheels.glob("occlod-*.whl")
     return wheel
