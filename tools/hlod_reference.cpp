@@ -112,6 +112,12 @@ void HlodReference::set_view(const View& view, const View& last) {
   redraw(before_items_, before_mesh_.objects(), last);
   shown_before_ = shown_in(view, full_.items.depth, last, before_items_.depth);
   depth_complexity_ = depth_complexity(full_.mesh.objects(), full_.items, view);
+  if (options_.tolerance_px == 0.0) {  // the input itself, which no box of a node decides about
+    plain_.items = full_.items;
+    plain_.image = full_.image;
+    plain_sse_px_ = 0.0;
+    return;
+  }
   const hlod::Frame& unculled = unculled_.draw_frame(view, device_, options_);
   draw(plain_, front_of(unculled));
   plain_sse_px_ = unculled.stats.largest_sse_px;

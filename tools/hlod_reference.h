@@ -17,7 +17,7 @@ namespace occlod::tool {
 struct HlodDistance {
   PictureDistance to_full;  // the input
   // This is the distance to what vfc draws with the same tolerance, without occlusion and bias, like the picture of
-  // `bool`.
+  // `bool`. At tolerance 0 it is the distance to the input.
   PictureDistance to_unculled;
   std::size_t wrongly_hidden_px = 0;  // pixels of that picture that the frame cannot explain within the errors of both
   // Counts pixels by count_crack_pixels() against the input, within four times the tolerance, since errors of nodes are

@@ -132,7 +132,7 @@ TEST_P(OhlodTest, TexturesMaterialsAndSeamsComeBack) {
   const Hlod built = build_hlod(mesh, options);
   const std::filesystem::path file = folder_ / "textured.ohlod";
   write(file, built);
-  EXPECT_EQ(bytes_of(file)[8], is_packed() ? 3 : 2) << "version";
+  EXPECT_EQ(bytes_of(file)[8], is_packed() ? 6 : 5) << "version";
   for (const OlodAccess access : {OlodAccess::mapped, OlodAccess::copied}) {
     const Hlod read = read_ohlod(file, access).hlod;
     EXPECT_EQ(hlod::validate(read), std::vector<std::string>{});
@@ -146,8 +146,29 @@ TEST_P(OhlodTest, TexturesMaterialsAndSeamsComeBack) {
   }
 }
 
+// Up to version 3 boxes were those of what triangles still used.
+TEST_P(OhlodTest, BoxesOfOldFilesAreMendedWhenTheyAreOpened) {
+  HlodData data = copy_data(hlod_);
+  for (hlod::NodeId n = 0; n < hlod_.node_count(); ++n)
+    if (hlod_.node(n).level > 0 && hlod_.node(n).triangles > 0)
+      data.nodes[n].box = bounding_box(hlod_.mesh(n).positions);
+  write(folder_ / "narrow.ohlod", make_hlod(std::move(data)));
+  EXPECT_NE(hlod::validate(read_ohlod(folder_ / "narrow.ohlod").hlod, 1), std::vector<std::string>{});
+  std::string bytes = bytes_of(folder_ / "narrow.ohlod");
+  bytes[8] = static_cast<char>(bytes[8] - 3);
+  const std::filesystem::path old = write_bytes(bytes);
+  const Hlod read = read_ohlod(old).hlod;
+  EXPECT_EQ(hlod::validate(read, 1), std::vector<std::string>{});
+  EXPECT_TRUE(restores(read, mesh_));
+  const Hlod paged = open_ohlod(old, {}).hlod;
+  for (hlod::NodeId n = 0; n < read.node_count(); ++n) {
+    EXPECT_EQ(paged.node(n).box.min, read.node(n).box.min) << n;
+    EXPECT_EQ(paged.node(n).box.max, read.node(n).box.max) << n;
+  }
+}
+
 TEST_P(OhlodTest, SaysHowItIsStored) {
-  const int version = is_packed() ? 3 : 1;  // without textures
+  const int version = is_packed() ? 6 : 4;  // without textures
   EXPECT_EQ(bytes_of(write_good())[8], version);
   const OhlodFile file = read_ohlod(folder_ / "good.ohlod");
   EXPECT_EQ(file.compression, GetParam());
