@@ -166,16 +166,10 @@ class NodeSimplifier::Worker {
       if (locked_[v] != 0 && used_[v] == 0) result.lost.push_back(vertices_.vertices()[v]);
   }
 
-  // Lists the boxes of the group's triangles that are gone. Each was folded onto an edge or a point, whose vertices
-  // stand for it from now on, or cancelled another one.
+  // Lists the boxes of the group's triangles that are gone and stood for by no triangle that is left. Those that were
+  // folded onto a corner or an edge of one need no room: the boxes of its vertices hold theirs.
   void list_vanished(const SimplifiedGroup& simplified, SimplifiedNode& result) {
-    left_.clear();
-    used_.assign(locked_.size(), 0);
-    for (const Triangle& t : simplified.triangles) {
-      left_.push_back(sorted(t));
-      used_[t.x] = used_[t.y] = used_[t.z] = 1;
-    }
-    std::sort(left_.begin(), left_.end());
+    note_left(simplified);
     grown_.clear();
     for (const std::uint32_t member : all_.members(group_)) {
       const Triangle& global_ids = below_.triangles[member];
@@ -185,7 +179,7 @@ class NodeSimplifier::Worker {
         box = unite(box, all_.boxes_[global_ids[k]]);
         image[k] = vertex_of(simplified.merged_into[vertices_.find(global_ids[k])], simplified);
       }
-      if (std::binary_search(left_.begin(), left_.end(), sorted(image))) continue;
+      if (is_left(sorted(image))) continue;
       const int heir = used_[image.x] != 0 ? 0 : used_[image.y] != 0 ? 1 : 2;
       if (used_[image[heir]] != 0)
         grown_.push_back({image[heir], box});
@@ -202,6 +196,28 @@ class NodeSimplifier::Worker {
       else
         result.grown.back().box = unite(result.grown.back().box, grown.box);
     }
+  }
+
+  // Notes the corners, edges and triangles that are left.
+  void note_left(const SimplifiedGroup& simplified) {
+    left_.clear();
+    left_edges_.clear();
+    used_.assign(locked_.size(), 0);
+    for (const Triangle& t : simplified.triangles) {
+      const auto [a, b, c] = left_.emplace_back(sorted(t));
+      left_edges_.insert(left_edges_.end(), {{a, b}, {a, c}, {b, c}});
+      used_[a] = used_[b] = used_[c] = 1;
+    }
+    std::sort(left_.begin(), left_.end());
+    std::sort(left_edges_.begin(), left_edges_.end());
+  }
+
+  // Returns whether a triangle that is left has these corners, given in order, of which some may be equal.
+  [[nodiscard]] bool is_left(const std::array<std::uint32_t, 3>& corners) const {
+    const auto [a, b, c] = corners;
+    if (a == c) return used_[a] != 0;
+    if (a == b || b == c) return std::binary_search(left_edges_.begin(), left_edges_.end(), std::pair(a, c));
+    return std::binary_search(left_.begin(), left_.end(), corners);
   }
 
   // Returns the local vertex of a wedge, which simplification may have added.
@@ -233,8 +249,9 @@ class NodeSimplifier::Worker {
   TriangleMesh input_;
   std::vector<WedgeId> wedges_;  // by local number, after simplification with those added
   std::vector<std::uint8_t> locked_, used_;
-  std::vector<std::array<std::uint32_t, 3>> left_;  // the remaining triangles, in order
-  std::vector<GrownBox> grown_;                     // by local vertex
+  std::vector<std::array<std::uint32_t, 3>> left_;                   // the remaining triangles, in order
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> left_edges_;  // of them, in order
+  std::vector<GrownBox> grown_;                                      // by local vertex
 };
 
 NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options, unsigned threads,
