@@ -84,20 +84,17 @@ std::vector<TrialStrategy> strategies() {
 class Sweep {
  public:
   explicit Sweep(const TriangleMesh& mesh) : mesh_(mesh) {
-    glm::dvec3 low(mesh.positions[0]), high = low;
-    for (const glm::vec3& p : mesh.positions) {
-      low = glm::min(low, glm::dvec3(p));
-      high = glm::max(high, glm::dvec3(p));
-    }
-    extent_ = glm::length(high - low);
+    const Box box = bounding_box(mesh.positions);
+    extent_ = glm::length(glm::dvec3(box.max) - glm::dvec3(box.min));
   }
 
   void run(const HlodBuildOptions& options, int views, Random& random) {
     const Hlod hlod = build_hlod(mesh_, options);
     ASSERT_EQ(validate(hlod, 1), std::vector<std::string>());
     const PlacedHlod placed{&hlod, glm::dmat4(1.0), true};
+    const std::vector<TrialStrategy> tested = strategies();
     std::vector<TrialTraverser> traversers;
-    for (std::size_t i = 0; i < strategies().size(); ++i) traversers.emplace_back(std::span(&placed, 1));
+    for (std::size_t i = 0; i < tested.size(); ++i) traversers.emplace_back(std::span(&placed, 1));
     for (int i = 0; i < views; ++i) {
       const View view(random_camera(mesh_, extent_, random));
       DepthBuffer input;
@@ -105,7 +102,7 @@ class Sweep {
       draw_depth(input, mesh_.positions, mesh_.triangles, glm::mat4(view.world_to_clip()));
       for (std::size_t s = 0; s < traversers.size(); ++s) {
         TrialOptions trial;
-        trial.strategy = strategies()[s];
+        trial.strategy = tested[s];
         trial.tolerance_px = 0.0;
         trial.biased = false;
         trial.oracle = &oracle_;

@@ -135,8 +135,7 @@ void bound(NodeDraft& node, const std::vector<NodeDraft>& below) {
   for (const std::uint32_t child : node.children)
     for (const Box& gone : below[child].vanished) {
       node.box = unite(node.box, gone);
-      if (node.vanished.empty()) node.vanished = {gone};
-      node.vanished[0] = unite(node.vanished[0], gone);
+      grow(node.vanished, gone);
     }
   node.lod_box = node.box;
   float guaranteed = 0.0F;

@@ -8,8 +8,10 @@
 #include <type_traits>
 #include <vector>
 
+#include "base/arithmetic.h"
 #include "base/memory.h"
 #include "occlod/base.h"
+#include "occlod/bounds.h"
 #include "occlod/hlod.h"
 #include "occlod/mesh.h"
 
@@ -120,6 +122,14 @@ struct SplitsDraft {
   std::vector<std::uint16_t> indices;  // three per triangle that the node was made from
   std::vector<Split> splits;           // coarsest first; if there are none, the other arrays are empty too
 };
+
+// Makes the box in a list of at most one hold another one too.
+inline void grow(std::vector<Box>& at_most_one, const Box& box) {
+  if (at_most_one.empty())
+    at_most_one = {box};
+  else
+    at_most_one[0] = unite(at_most_one[0], box);
+}
 
 struct NodeDraft {
   std::uint32_t first_triangle = 0;  // into LevelDraft::triangles

@@ -183,10 +183,8 @@ class NodeSimplifier::Worker {
       const int heir = used_[image.x] != 0 ? 0 : used_[image.y] != 0 ? 1 : 2;
       if (used_[image[heir]] != 0)
         grown_.push_back({image[heir], box});
-      else if (result.vanished.empty())
-        result.vanished = {box};
       else
-        result.vanished[0] = unite(result.vanished[0], box);
+        grow(result.vanished, box);
     }
     std::sort(grown_.begin(), grown_.end(), [](const GrownBox& a, const GrownBox& b) { return a.vertex < b.vertex; });
     for (const GrownBox& grown : grown_) {

@@ -12,16 +12,13 @@ namespace occlod::ohlod {
 
 // These are the versions of files that are not packed, with and without texture coordinates, materials or seams.
 inline constexpr std::uint32_t wedges_version = 5, plain_version = 4;
-// In files up to this version the boxes of nodes do not hold what has vanished.
-inline constexpr std::uint32_t last_narrow_version = 3;
+// In files of these versions the boxes of nodes do not hold what has vanished.
+inline constexpr std::uint32_t oldest_version = 1, last_narrow_version = 3;
 
 // The carriage returns and the end-of-file byte reveal a transfer in text mode, as in PNG.
-inline constexpr sections::FileKind file_kind{{'O', 'H', 'L', 'D', '\r', '\n', '\x1a', '\n'},
-                                              ohlod_version,
-                                              ".ohlod",
-                                              "make one with 'occlod hlod build'",
-                                              "build it again with 'occlod hlod build'",
-                                              1};
+inline constexpr sections::FileKind file_kind{
+    {'O', 'H', 'L', 'D', '\r', '\n', '\x1a', '\n'}, ohlod_version, ".ohlod", "make one with 'occlod hlod build'",
+    "build it again with 'occlod hlod build'",      oldest_version};
 
 // Holds everything in an HLOD that is not an array.
 struct Summary {

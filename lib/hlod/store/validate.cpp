@@ -229,9 +229,9 @@ class Validator {
       const NodeMesh mesh = h_.mesh(n);
       for (const Patch& patch : h_.patches(n))
         for (std::uint32_t i = patch.first_index; i < patch.first_index + patch.index_count; i += 3) {
-          const glm::vec3 &a = mesh.positions[mesh.indices[i]], &b = mesh.positions[mesh.indices[i + 1]],
-                          &c = mesh.positions[mesh.indices[i + 2]];
-          const Box triangle{glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
+          const glm::vec3 corners[] = {mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
+                                       mesh.positions[mesh.indices[i + 2]]};
+          const Box triangle = bounding_box(corners);
           if (holds(h_.node(n).box, triangle) && is_reached(patch.parent, triangle)) continue;
           report("a triangle of node {} is not in the boxes of the nodes that stand for it", n);
           i = patch.first_index + patch.index_count;  // one line per patch
