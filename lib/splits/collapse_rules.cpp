@@ -33,8 +33,9 @@ bool has_face(const StarMesh& mesh, VertexId a, VertexId b, VertexId c) {
 void VertexRing::gather(const StarMesh& mesh, VertexId v) {
   vertex_ = v;
   mesh.neighbours(v, neighbours_);
+  mesh.distinct_faces(v, faces_);
   degrees_.assign(neighbours_.size(), 0);
-  for (const StarFace f : mesh.star(v)) {
+  for (const StarFace& f : faces_) {
     ++degrees_[index_of(neighbours_, f.next)];
     ++degrees_[index_of(neighbours_, f.last)];
   }
@@ -48,7 +49,7 @@ void VertexRing::gather(const StarMesh& mesh, VertexId v) {
     ++features;
   }
   on_feature_ = features > 0;
-  movable_ = (features == 0 || (features == 2 && constant)) && one_fan(mesh);
+  movable_ = (features == 0 || (features == 2 && constant)) && one_fan();
 }
 
 std::optional<std::size_t> VertexRing::place_of(VertexId u) const {
@@ -57,7 +58,7 @@ std::optional<std::size_t> VertexRing::place_of(VertexId u) const {
   return static_cast<std::size_t>(at - neighbours_.begin());
 }
 
-bool VertexRing::one_fan(const StarMesh& mesh) const {
+bool VertexRing::one_fan() const {
   // Run union-find over the neighbours: every face at v joins two of them.
   fan_of_.resize(neighbours_.size());
   std::iota(fan_of_.begin(), fan_of_.end(), 0U);
@@ -66,7 +67,7 @@ bool VertexRing::one_fan(const StarMesh& mesh) const {
     return static_cast<std::uint32_t>(i);
   };
   std::size_t fans = neighbours_.size();
-  for (const StarFace f : mesh.star(vertex_)) {
+  for (const StarFace& f : faces_) {
     const std::uint32_t a = root(index_of(neighbours_, f.next));
     const std::uint32_t b = root(index_of(neighbours_, f.last));
     if (a == b) continue;
@@ -104,7 +105,7 @@ bool keeps_topology(const StarMesh& mesh, const VertexRing& ring, std::size_t i)
     if (!has_face(mesh, v, u, w) || (degree_uw != 2 && ring.degree(k) != 2)) return false;
   }
   // The links must share no edge, so that no moved face meets an old one.
-  for (const StarFace f : mesh.star(v))
+  for (const StarFace& f : ring.faces())
     if (!contains(f, u) && has_face(mesh, u, f.next, f.last)) return false;
   return true;
 }
@@ -155,8 +156,7 @@ struct Projection {
 
 }  // namespace
 
-double ChangeBound::operator()(const StarMesh& mesh, const PositionView& positions, const VertexRing& ring,
-                               VertexId u) {
+double ChangeBound::operator()(const PositionView& positions, const VertexRing& ring, VertexId u) {
   const glm::dvec3 v(positions[ring.vertex()]);
   const glm::dvec3 target(positions[u]);
   const double slide = glm::distance(v, target);
@@ -168,8 +168,7 @@ double ChangeBound::operator()(const StarMesh& mesh, const PositionView& positio
       if (ring.degree(i) != 2 && ring.neighbours()[i] != u)
         apex = closest_on_segment(v, target, glm::dvec3(positions[ring.neighbours()[i]]));
   double height = 0.0;
-  open_faces_.clear();
-  for (const StarFace f : mesh.star(ring.vertex())) open_faces_.push_back(f);
+  open_faces_.assign(ring.faces().begin(), ring.faces().end());
   while (height < slide && !open_faces_.empty()) {
     if (!next_page(positions, ring)) return slide;
     height = std::max(height, page_bound(apex, target));

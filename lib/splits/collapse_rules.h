@@ -15,7 +15,8 @@
 
 namespace occlod {
 
-// Holds the data that all collapses of one vertex v share: computed once for v, then evaluated for each target.
+// Holds the data that all collapses of one vertex v share: computed once for v, then evaluated for each target. Faces
+// with the same corners, such as both sides of a sheet, move together and count as one.
 class VertexRing {
  public:
   void gather(const StarMesh& mesh, VertexId v);
@@ -24,7 +25,9 @@ class VertexRing {
   [[nodiscard]] std::span<const VertexId> neighbours() const noexcept { return neighbours_; }
   // Returns the index of u among the neighbours, if it is one. O(log neighbours).
   [[nodiscard]] std::optional<std::size_t> place_of(VertexId u) const;
-  // Returns the number of faces at the edge from v to neighbour i.
+  // Returns the different faces at v.
+  [[nodiscard]] std::span<const StarFace> faces() const noexcept { return faces_; }
+  // Returns the number of different faces at the edge from v to neighbour i.
   [[nodiscard]] int degree(std::size_t i) const noexcept { return degrees_[i]; }
   // Returns false when v is a non-manifold corner: it has several fans, or feature edges (those without exactly two
   // faces) that do not pass through v as one line of constant degree. No collapse of such a vertex keeps the topology.
@@ -33,9 +36,10 @@ class VertexRing {
   [[nodiscard]] bool on_feature() const noexcept { return on_feature_; }
 
  private:
-  [[nodiscard]] bool one_fan(const StarMesh& mesh) const;
+  [[nodiscard]] bool one_fan() const;
 
   VertexId vertex_ = no_id;
+  std::vector<StarFace> faces_;
   std::vector<VertexId> neighbours_;
   std::vector<int> degrees_;
   bool movable_ = false;
@@ -70,8 +74,7 @@ class VertexRing {
 class ChangeBound {
  public:
   // Returns the bound in object units, rounded upwards. `ring` must have been gathered for v.
-  [[nodiscard]] double operator()(const StarMesh& mesh, const PositionView& positions, const VertexRing& ring,
-                                  VertexId u);
+  [[nodiscard]] double operator()(const PositionView& positions, const VertexRing& ring, VertexId u);
 
  private:
   // Holds one fan of faces around v: its corners in 3D and in the projection, in order; closed when the last joins the

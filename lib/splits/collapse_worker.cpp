@@ -298,7 +298,7 @@ CollapseWorker::Choice CollapseWorker::break_topology(std::span<const VertexId> 
 // Bounds how far a collapse that keeps the topology moves the surface. The bound of a fan is computed later, in a
 // batch.
 float CollapseWorker::movement(const Choice& choice, bool is_fan) {
-  if (!is_fan) return static_cast<float>(change_bound_(state_.mesh, state_.positions(), ring_, choice.u)) * round_up;
+  if (!is_fan) return static_cast<float>(change_bound_(state_.positions(), ring_, choice.u)) * round_up;
   Batch& batch = batches_[fan_.size()];
   if (batch.fans.size() == FanMovements::capacity) compute_movements(batch);
   batch.made[batch.fans.size()] = made_.size();

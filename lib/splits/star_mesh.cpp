@@ -97,6 +97,15 @@ void for_each_corner(std::span<const Triangle> faces, std::size_t vertices, unsi
   });
 }
 
+// Returns whether no earlier face of the star has the same corners as the i-th.
+bool is_first(const Star& star, std::size_t i) {
+  if (star.is_ring()) return true;
+  const StarFace f = star[i];
+  for (std::size_t k = 0; k < i; ++k)
+    if (contains(star[k], f.next) && contains(star[k], f.last)) return false;
+  return true;
+}
+
 }  // namespace
 
 std::uint32_t* StarArena::allocate(std::size_t count) {
@@ -147,9 +156,31 @@ StarMesh::StarMesh(std::span<const Triangle> faces, std::size_t vertex_count, un
 
 int StarMesh::edge_degree(VertexId a, VertexId b) const noexcept {
   if (places_[a].size > places_[b].size) std::swap(a, b);
+  const Star of_a = star(a);
   int degree = 0;
-  for (const StarFace f : star(a)) degree += contains(f, b) ? 1 : 0;
+  for (std::size_t i = 0; i < of_a.size(); ++i) degree += contains(of_a[i], b) && is_first(of_a, i) ? 1 : 0;
   return degree;
+}
+
+void StarMesh::distinct_faces(VertexId v, std::vector<StarFace>& out) const {
+  constexpr std::size_t most_compared = 32;  // faces compared each with each; more are sorted
+  out.clear();
+  const Star star = this->star(v);
+  if (star.is_ring() || star.size() <= most_compared) {
+    for (std::size_t i = 0; i < star.size(); ++i)
+      if (is_first(star, i)) out.push_back(star[i]);
+    return;
+  }
+  std::vector<std::array<std::uint32_t, 3>> sorted;  // the other two corners, ascending, and the place in the star
+  for (std::size_t i = 0; i < star.size(); ++i)
+    sorted.push_back(
+        {std::min(star[i].next, star[i].last), std::max(star[i].next, star[i].last), static_cast<std::uint32_t>(i)});
+  std::ranges::sort(sorted);
+  const auto [first, last] =
+      std::ranges::unique(sorted, {}, [](const auto& face) { return std::pair(face[0], face[1]); });
+  sorted.erase(first, last);
+  std::ranges::sort(sorted, {}, [](const auto& face) { return face[2]; });
+  for (const auto& face : sorted) out.push_back(star[face[2]]);
 }
 
 void StarMesh::neighbours(VertexId v, std::vector<VertexId>& out) const {

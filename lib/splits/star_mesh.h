@@ -101,8 +101,11 @@ class StarMesh {
   void prefetch(VertexId v) const noexcept { occlod::prefetch(places_[v].ids); }
   // Prefetches the data that prefetch(v) will read.
   void prefetch_place(VertexId v) const noexcept { occlod::prefetch(&places_[v]); }
-  // Returns the number of faces at edge ab.
+  // Returns the number of different faces at edge ab: faces with the same corners count once, however they are wound.
   [[nodiscard]] int edge_degree(VertexId a, VertexId b) const noexcept;
+  // Lists the different faces at v in the order of its star: of faces with the same corners, however they are wound,
+  // only the first. `out` is cleared first.
+  void distinct_faces(VertexId v, std::vector<StarFace>& out) const;
   // Lists the vertices that share a face with v, each once, ascending. `out` is cleared first.
   void neighbours(VertexId v, std::vector<VertexId>& out) const;
   // Returns all faces, sorted by their smallest corners.

@@ -86,7 +86,7 @@ class LimitedReplay {
     float before = 0.0F;
     for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot)
       before = std::max(before, moved_[place_of({s, slot})]);
-    const double now = keeps ? change_bound_(mesh_, positions_, ring_, u)
+    const double now = keeps ? change_bound_(positions_, ring_, u)
                              : glm::distance(glm::dvec3(positions_[v]), glm::dvec3(positions_[u]));
     const double after = static_cast<double>(before) + now;
     if (!(after <= max_motion_)) return false;
@@ -173,7 +173,7 @@ class SurfaceMotion::Replay {
     if (!keeps) mark(u);
     const bool slides = !keeps || has_marks_[v];
     const double moved = slides ? glm::distance(glm::dvec3(positions_[v]), glm::dvec3(positions_[u]))
-                                : change_bound_(mesh_, positions_, ring_, u);
+                                : change_bound_(positions_, ring_, u);
     pass_on(s, star, moved);
     if (has_marks_[v]) has_marks_[u] = true;
     ended_.clear();

@@ -14,7 +14,7 @@ double bound(const TriangleMesh& mesh, VertexId v, VertexId u) {
   VertexRing ring;
   ring.gather(stars, v);
   ChangeBound change;
-  return change(stars, mesh.positions, ring, u);
+  return change(mesh.positions, ring, u);
 }
 
 // A fan of n faces round vertex 0 at the given height above a regular polygon of radius 1.

@@ -119,12 +119,16 @@ TEST(MoveSlivers, ToTheGroupThatSharesMostVertices) {
   EXPECT_EQ(std::count(groups.group_of.begin(), groups.group_of.end(), 1U), 34);
 }
 
-TEST(CancelOpposite, PairsGoAndTheRestStays) {
-  std::vector<Triangle> triangles = {{0, 1, 2}, {3, 4, 5}, {1, 0, 2}, {4, 5, 3}, {5, 4, 3}, {7, 8, 9}};
-  cancel_opposite(triangles);  // 0 1 2 with its reverse; two of 3 4 5 against one
-  EXPECT_EQ(triangles, (std::vector<Triangle>{{4, 5, 3}, {7, 8, 9}}));
+TEST(CancelFolded, PairsThatMergingMadeGoAndTheRestStays) {
+  // 0 1 2 and its reverse were two faces, and two of 3 4 5 against one; 7 8 9 has been two-sided from the start.
+  std::vector<Triangle> triangles = {{0, 1, 2}, {3, 4, 5}, {1, 0, 2}, {4, 5, 3}, {5, 4, 3}, {7, 8, 9}, {7, 9, 8}};
+  const std::vector<Triangle> before = {{0, 1, 2},  {3, 4, 5},  {1, 0, 11}, {4, 5, 12},
+                                        {5, 4, 13}, {7, 8, 14}, {7, 14, 8}};
+  std::vector<Triangle> none;
+  cancel_folded(triangles, none, before);
+  EXPECT_EQ(triangles, (std::vector<Triangle>{{4, 5, 3}, {7, 8, 9}, {7, 9, 8}}));
   std::vector<Triangle> same = {{0, 1, 2}, {1, 2, 0}};
-  cancel_opposite(same);
+  cancel_folded(same, none, std::vector<Triangle>{{0, 1, 2}, {1, 2, 3}});
   EXPECT_EQ(same.size(), 2U) << "the same winding twice is a boundary twice";
 }
 

@@ -42,12 +42,7 @@ bool has_repeated(const std::vector<Triangle>& triangles) {
 
 }  // namespace
 
-void cancel_opposite(std::vector<Triangle>& triangles) {
-  std::vector<Triangle> none;
-  cancel_opposite(triangles, none);
-}
-
-void cancel_opposite(std::vector<Triangle>& triangles, std::vector<Triangle>& corners) {
+void cancel_folded(std::vector<Triangle>& triangles, std::vector<Triangle>& corners, std::span<const Triangle> before) {
   if (!has_repeated(triangles)) return;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted;
   for (std::uint32_t i = 0; i < triangles.size(); ++i) sorted.emplace_back(key_of(triangles[i]), i);
@@ -57,8 +52,12 @@ void cancel_opposite(std::vector<Triangle>& triangles, std::vector<Triangle>& co
     std::vector<std::uint32_t> same[2];
     for (end = begin; end < sorted.size() && sorted[end].first == sorted[begin].first; ++end)
       same[is_even(triangles[sorted[end].second]) ? 1 : 0].push_back(sorted[end].second);
-    for (std::size_t i = 0; i < std::min(same[0].size(), same[1].size()); ++i)
-      goes[same[0][i]] = goes[same[1][i]] = true;
+    for (const std::uint32_t i : same[0]) {
+      const auto folded = std::find_if(same[1].begin(), same[1].end(), [&](std::uint32_t k) {
+        return !goes[k] && key_of(before[k]) != key_of(before[i]);
+      });
+      if (folded != same[1].end()) goes[i] = goes[*folded] = true;
+    }
   }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < triangles.size(); ++i) {

@@ -1,7 +1,8 @@
-// Puts the nodes of one level together: removes triangles that cancel out, and computes links, bounds and errors.
+// Puts the nodes of one level together: computes links, bounds and errors, and removes triangles that cancel out.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "hlod/build/group_triangles.h"
@@ -11,12 +12,11 @@
 
 namespace occlod::hlod {
 
-// Removes pairs of triangles with the same corners and opposite winding, which remain where neighbouring nodes have
-// folded their surfaces onto each other. So the oriented boundary is unchanged. The remaining triangles keep their
-// order. Ids must be below 2^21. `corners` holds the triangles' wedges, which are removed with them, or is empty.
-// Expected O(n).
-void cancel_opposite(std::vector<Triangle>& triangles, std::vector<Triangle>& corners);
-void cancel_opposite(std::vector<Triangle>& triangles);
+// Removes pairs of triangles with the same corners and opposite winding that merging has folded onto each other, so that
+// the oriented boundary is unchanged. `before` holds each triangle as it was before merging: those that had the same
+// corners already, such as both sides of a sheet, stay. The remaining triangles keep their order. Ids must be below
+// 2^21. `corners` holds the triangles' wedges, which are removed with them, or is empty. Expected O(n).
+void cancel_folded(std::vector<Triangle>& triangles, std::vector<Triangle>& corners, std::span<const Triangle> before);
 
 // Records that everything in `box`, which a vertex stood for or triangles beside it, now depends on this vertex.
 struct GrownBox {

@@ -68,7 +68,6 @@ class NodeSimplifier::Worker {
       seam_wedges_.reset(3 * members.size());
       for (const std::uint32_t member : members) input_.corners.push_back(number(below_.corners[member], seam_wedges_));
     }
-    cancel_opposite(input_.triangles, input_.corners);
     if (all_.mesh_.has_seams())
       sort_wedges();
     else

@@ -137,16 +137,20 @@ NodeCut cut_with_splits(const Hlod& hlod, NodeId n, std::uint32_t splits) {
   std::vector<std::uint16_t> stands_for(first + within.parents.size());
   for (std::size_t v = 0; v < stands_for.size(); ++v)
     stands_for[v] = v < first + splits ? static_cast<std::uint16_t>(v) : stands_for[within.parents[v - first]];
-  std::vector<Triangle> triangles, corners;
+  const auto by_place = [&](const Triangle& t) {
+    return vertices.empty() ? t : Triangle(vertices[t.x], vertices[t.y], vertices[t.z]);
+  };
+  std::vector<Triangle> triangles, corners, before;
   for (std::size_t i = 0; i < within.indices.size(); i += 3) {
-    const Triangle corner(stands_for[within.indices[i]], stands_for[within.indices[i + 1]],
-                          stands_for[within.indices[i + 2]]);
-    const Triangle t = vertices.empty() ? corner : Triangle(vertices[corner.x], vertices[corner.y], vertices[corner.z]);
+    const Triangle input(within.indices[i], within.indices[i + 1], within.indices[i + 2]);
+    const Triangle corner(stands_for[input.x], stands_for[input.y], stands_for[input.z]);
+    const Triangle t = by_place(corner);
     if (t.x == t.y || t.y == t.z || t.z == t.x) continue;
     triangles.push_back(t);
+    before.push_back(by_place(input));
     if (!vertices.empty()) corners.push_back(corner);
   }
-  cancel_opposite(triangles, corners);
+  cancel_folded(triangles, corners, before);
   NodeCut cut{splits, {}};
   cut.indices.reserve(3 * triangles.size());
   for (const Triangle& t : vertices.empty() ? triangles : corners)
