@@ -53,7 +53,8 @@ class NodeSimplifier::Worker {
     list_merges(simplified, result);
     list_lost(simplified, result);
     list_vanished(simplified, result);
-    if (!simplified.collapses.empty() && wedges_.size() <= stays) keep_splits(simplified, result.within);
+    if (!simplified.collapses.empty() && wedges_.size() <= stays && can_replay(simplified))
+      keep_splits(simplified, result.within);
     return result;
   }
 
@@ -228,6 +229,21 @@ class NodeSimplifier::Worker {
     std::array<std::uint32_t, 3> corners{t.x, t.y, t.z};
     std::sort(corners.begin(), corners.end());
     return corners;
+  }
+
+  // Returns whether merging all triangles of the group at once leaves as many as its collapses, one after the other,
+  // did. Only where both sides of a sheet were folded onto other faces does the order matter.
+  [[nodiscard]] bool can_replay(const SimplifiedGroup& simplified) const {
+    std::vector<Triangle> merged, before, none;
+    for (const Triangle& t : input_.triangles) {
+      Triangle image;
+      for (int k = 0; k < 3; ++k) image[k] = vertex_of(simplified.merged_into[t[k]], simplified);
+      if (image.x == image.y || image.y == image.z || image.z == image.x) continue;
+      merged.push_back(image);
+      before.push_back(t);
+    }
+    cancel_folded(merged, none, before);
+    return merged.size() == simplified.triangles.size();
   }
 
   void keep_splits(const SimplifiedGroup& simplified, SplitsDraft& within) const {
