@@ -146,6 +146,45 @@ TEST(HardGeometry, RepeatedAndOppositeTriangles) {
   (void)build_soundly(mesh);
 }
 
+double area_of(const TriangleMesh& mesh) {
+  double area = 0.0;
+  for (const Triangle& t : mesh.triangles)
+    area += 0.5 * static_cast<double>(glm::length(glm::cross(mesh.positions[t.y] - mesh.positions[t.x],
+                                                             mesh.positions[t.z] - mesh.positions[t.x])));
+  return area;
+}
+
+TEST(HardGeometry, SheetsThatLieThereTwiceSimplifyAsOne) {
+  TriangleMesh single = test::grid(60, 60);
+  for (glm::vec3& p : single.positions) p.z = 0.05F * std::sin(3.0F * p.x) * std::cos(4.0F * p.y);
+  const Hierarchy alone = build_soundly(single, 64);
+  const auto error_alone = static_cast<double>(cut_to_triangles(alone, 200).error);
+  for (const std::size_t n : {std::size_t{1}, std::size_t{20}})  // all triangles are doubled, or one in twenty
+    for (const bool turned : {false, true}) {
+      TriangleMesh mesh = single;
+      for (std::size_t i = 0; i < single.triangle_count(); i += n) {
+        const Triangle& t = single.triangles[i];
+        mesh.triangles.push_back(turned ? Triangle(t.y, t.x, t.z) : t);
+      }
+      const Hierarchy hierarchy = build_soundly(mesh, 64);
+      const FixedCut cut = cut_to_triangles(hierarchy, n == 1 ? 400 : 210);
+      EXPECT_LE(static_cast<double>(cut.error), 1.5 * error_alone);
+      EXPECT_GE(area_of(cut_mesh(hierarchy, cut)), 0.99 * area_of(n == 1 ? mesh : single));
+      EXPECT_LE(cut_mesh(hierarchy, cut_to_error(hierarchy, 0.05)).triangle_count(), 130U);
+    }
+}
+
+TEST(HardGeometry, SheetsThatTouchAtAPointSimplifyAsIfApart) {
+  // Two flat sheets, upright on each other, have one vertex in common, which may move along the line in both.
+  TriangleMesh mesh = test::grid(10, 10), upright = test::grid(10, 10);
+  for (glm::vec3& p : upright.positions) p = {0.5F + 0.875F * (p.x - 0.5F), 0.5F, p.y - 0.5F};
+  test::append(mesh, upright, {});
+  mesh = cleaned(mesh);
+  ASSERT_EQ(topology_of(mesh).nonmanifold_vertices, 1U);
+  const Hierarchy hierarchy = build_soundly(mesh, 8);
+  EXPECT_LT(hierarchy.error_bound(), 1e-4F);
+}
+
 TEST(HardGeometry, ThreeSheetsAtOneLine) {
   // Flat sheets that meet at a line of edges of three triangles each: two triangles a sheet are exact, and the line is
   // held like a boundary, so that 6 triangles are reached without error.
@@ -165,8 +204,7 @@ TEST(HardGeometry, ThreeSheetsAtOneLine) {
 }
 
 TEST(HardGeometry, ChainOfTetrahedraThatTouch) {
-  // Every link is a vertex of two fans: non-manifold, so it stays until collapses that break the topology have their
-  // turn.
+  // Every link is a vertex of two fans.
   TriangleMesh mesh;
   for (int i = 0; i < 200; ++i) test::append(mesh, test::tetrahedron(), glm::vec3(static_cast<float>(i), 0, 0));
   mesh = cleaned(mesh);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <random>
 
 #include "occlod/build_hlod.h"
@@ -37,6 +38,14 @@ void append_triangle(TriangleMesh& mesh, const glm::vec3& a, const glm::vec3& b,
 }
 
 TriangleMesh cleaned(const TriangleMesh& mesh) { return clean(mesh, {}, "test mesh").mesh; }
+
+double area_of(const TriangleMesh& mesh) {
+  double area = 0.0;
+  for (const Triangle& t : mesh.triangles)
+    area += 0.5 * static_cast<double>(glm::length(glm::cross(mesh.positions[t.y] - mesh.positions[t.x],
+                                                             mesh.positions[t.z] - mesh.positions[t.x])));
+  return area;
+}
 
 TEST(HardSoups, ThousandsOfComponents) { expect_sound(occlod::test::many_tetrahedra(5139)); }
 
@@ -82,8 +91,34 @@ TEST(HardSoups, TrianglesWithoutArea) {
   expect_sound(mesh, 16);
 }
 
+// A curved sheet of 60 x 60 cells in which every n-th triangle lies there twice, in either winding.
+TriangleMesh sheet_with_doubles(std::size_t n, bool turned) {
+  TriangleMesh mesh = occlod::test::grid(60, 60);
+  for (glm::vec3& p : mesh.positions) p.z = 0.05F * std::sin(3.0F * p.x) * std::cos(4.0F * p.y);
+  const std::vector<Triangle> once = mesh.triangles;
+  for (std::size_t i = 0; i < once.size(); i += n)
+    mesh.triangles.push_back(turned ? Triangle(once[i].y, once[i].x, once[i].z) : once[i]);
+  return mesh;
+}
+
+TEST(HardSoups, SheetsWithDoublesHaveCoarseLevels) {
+  for (const std::size_t n : {std::size_t{1}, std::size_t{20}})
+    for (const bool turned : {false, true}) {
+      const TriangleMesh mesh = sheet_with_doubles(n, turned);
+      expect_sound(mesh, 500);
+      HlodBuildOptions options;
+      options.node_triangles = 500;
+      options.grouping = Grouping::nested;
+      options.borders = Borders::free;
+      const Hlod hlod = build_hlod(mesh, options);
+      ASSERT_EQ(hlod.data().roots.size(), 1U);
+      EXPECT_LE(hlod.node(hlod.data().roots[0]).triangles, 500U);
+      EXPECT_NEAR(hlod.node(hlod.data().roots[0]).area, area_of(mesh), 0.05 * area_of(mesh));
+    }
+}
+
 TEST(HardSoups, AllOpposite) {
-  // A closed fold: at the first level where both sides meet, everything cancels.
+  // Both sides of one sheet.
   TriangleMesh mesh = occlod::test::grid(20, 20);
   const std::vector<Triangle> once = mesh.triangles;
   for (const Triangle& t : once) mesh.triangles.emplace_back(t.y, t.x, t.z);
