@@ -237,6 +237,14 @@ T interpolate(const std::vector<T>& values, const Triangle& wedges, const glm::v
   return coordinates.x * values[wedges.x] + coordinates.y * values[wedges.y] + coordinates.z * values[wedges.z];
 }
 
+// Returns colour and alpha in [0, 1].
+glm::vec4 color_of(const TriangleMesh& mesh, WedgeId wedge) { return glm::vec4(mesh.colors[wedge]) / 255.0F; }
+
+glm::vec4 color_in(const TriangleMesh& mesh, const Triangle& wedges, const glm::vec3& coordinates) {
+  return coordinates.x * color_of(mesh, wedges.x) + coordinates.y * color_of(mesh, wedges.y) +
+         coordinates.z * color_of(mesh, wedges.z);
+}
+
 }  // namespace
 
 void AttributeStar::gather(const StarMesh& mesh, const AttributeState& state, const PositionView& positions,
@@ -276,13 +284,13 @@ float AttributeStar::choose(VertexId u) {
   chosen_.assign(count, no_id);
   places_.resize(count);
   for (std::size_t f = 0; f < count; ++f)
-    if (!contains(faces_[f], u)) places_[f] = place_in(f, offset);
+    if (!contains(faces_[f], u)) places_[f] = place_in({offset, next_[f], last_[f]});
   float total = 0.0F, area = 0.0F, largest = 0.0F;
   for (std::size_t begin = 0, end = 0; begin < count; begin = end) {
     float chart_area = 0.0F;
     for (end = begin; end < count && wedges_[order_[end]].x == wedges_[order_[begin]].x; ++end)
       chart_area += areas_[order_[end]];
-    const float deviation = choose_for_chart(begin, end, u, glm::dot(offset, offset));
+    const float deviation = choose_for_chart(begin, end, u, offset);
     total += chart_area * deviation;
     area += chart_area;
     largest = std::max(largest, deviation);
@@ -292,8 +300,9 @@ float AttributeStar::choose(VertexId u) {
   return mean < 1.0F ? mean : 1.0F;
 }
 
-AttributeStar::Place AttributeStar::place_in(std::size_t face, const glm::vec3& u) const {
-  const glm::vec3 a = next_[face], b = last_[face];
+// Returns where the origin lies in a triangle.
+AttributeStar::Place AttributeStar::place_in(const std::array<glm::vec3, 3>& corners) {
+  const auto& [u, a, b] = corners;
   const glm::vec3 normal = glm::cross(a - u, b - u);
   const float area2 = glm::dot(normal, normal);
   if (!(area2 > 0.0F)) return {};
@@ -306,7 +315,6 @@ AttributeStar::Place AttributeStar::place_in(std::size_t face, const glm::vec3& 
   // The nearest point lies on one of the edges that face the projection.
   const glm::vec3 p = c.x * u + c.y * a + c.z * b;
   place.distance2 = std::numeric_limits<float>::infinity();
-  const std::array<glm::vec3, 3> corners{u, a, b};
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t k = (i + 1) % 3;
     const glm::vec3 edge = corners[k] - corners[i];
@@ -343,16 +351,43 @@ float AttributeStar::deviation2(std::size_t face, const glm::vec3& place, WedgeI
     sum += normal_weight * normal_weight * length2 * glm::dot(turn, turn);
   }
   if (!mesh.colors.empty()) {
-    const auto color = [&](WedgeId w) { return glm::vec4(mesh.colors[w]) / 255.0F; };
-    const glm::vec4 change =
-        color(v) - (within.x * color(corners.x) + within.y * color(corners.y) + within.z * color(corners.z));
+    const glm::vec4 change = color_of(mesh, v) - color_in(mesh, corners, within);
     sum += color_weight * color_weight * length2 * glm::dot(change, change);
   }
   return sum;
 }
 
+// Returns the largest squared change of colour in the middle of an old edge between v and a corner of the chart, where
+// new edges may cross it. A line between two colours that bends at v may straighten without any change at v itself.
+float AttributeStar::color_change_at_edges2(std::size_t begin, std::size_t end, VertexId u,
+                                            const glm::vec3& offset) const {
+  const TriangleMesh& mesh = state_->input;
+  float largest = 0.0F;
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::uint32_t edge = order_[i];
+    const glm::vec3 middle = 0.5F * next_[edge];
+    Place nearest;
+    nearest.distance2 = std::numeric_limits<float>::infinity();
+    std::uint32_t face = no_id;
+    for (std::size_t k = begin; k < end && nearest.distance2 > 0.0F; ++k) {
+      const std::uint32_t f = order_[k];
+      if (contains(faces_[f], u)) continue;
+      const Place place = place_in({offset - middle, next_[f] - middle, last_[f] - middle});
+      if (!place.is_known || !(place.distance2 < nearest.distance2)) continue;
+      nearest = place;
+      face = f;
+    }
+    if (face == no_id) continue;
+    const glm::vec4 old = 0.5F * (color_of(mesh, wedges_[edge].x) + color_of(mesh, wedges_[edge].y));
+    const glm::vec4 change = old - color_in(mesh, {chosen_[face], wedges_[face].y, wedges_[face].z}, nearest.nearest);
+    largest = std::max(largest, glm::dot(change, change));
+  }
+  return largest;
+}
+
 // Chooses the wedge of u for the faces order_[begin, end), which form one chart. Returns the squared deviation.
-float AttributeStar::choose_for_chart(std::size_t begin, std::size_t end, VertexId u, float length2) {
+float AttributeStar::choose_for_chart(std::size_t begin, std::size_t end, VertexId u, const glm::vec3& offset) {
+  const float length2 = glm::dot(offset, offset);
   candidates_.clear();
   std::size_t best_place = no_id;
   bool has_moved = false;
@@ -391,7 +426,9 @@ float AttributeStar::choose_for_chart(std::size_t begin, std::size_t end, Vertex
   for (std::size_t i = begin; i < end; ++i)
     if (!contains(faces_[order_[i]], u)) chosen_[order_[i]] = is_split ? cheapest(i, i + 1) : of_all;
   if (best_place == no_id) return 0.0F;
-  const float slip2 = deviation2(best_place, places_[best_place].nearest, chosen_[best_place], length2);
+  float slip2 = deviation2(best_place, places_[best_place].nearest, chosen_[best_place], length2);
+  if (!state_->input.colors.empty())
+    slip2 = std::max(slip2, color_weight * color_weight * length2 * color_change_at_edges2(begin, end, u, offset));
   return std::min(slip2, state_->extents2[wedges_[order_[begin]].x]);
 }
 

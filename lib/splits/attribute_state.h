@@ -1,6 +1,7 @@
 // Tracks the attributes at the corners of faces while a mesh is simplified, and decides what collapses do to them.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec2.hpp>
@@ -74,7 +75,8 @@ class CornerMap {
 
 // Returns whether a mesh has attributes that simplification takes into account.
 [[nodiscard]] inline bool has_wedge_attributes(const TriangleMesh& mesh) {
-  return !mesh.extra_wedges.empty() || !mesh.texture_coordinates.empty();
+  return !mesh.extra_wedges.empty() || !mesh.texture_coordinates.empty() || !mesh.normals.empty() ||
+         !mesh.colors.empty();
 }
 
 // Returns the material of each wedge; empty when triangles name none.
@@ -135,9 +137,11 @@ class AttributeStar {
   };
 
   void group_charts();
-  [[nodiscard]] Place place_in(std::size_t face, const glm::vec3& u) const;
+  [[nodiscard]] static Place place_in(const std::array<glm::vec3, 3>& corners);
   [[nodiscard]] float deviation2(std::size_t face, const glm::vec3& place, WedgeId wedge_of_u, float length2) const;
-  [[nodiscard]] float choose_for_chart(std::size_t begin, std::size_t end, VertexId u, float length2);
+  [[nodiscard]] float color_change_at_edges2(std::size_t begin, std::size_t end, VertexId u,
+                                             const glm::vec3& offset) const;
+  [[nodiscard]] float choose_for_chart(std::size_t begin, std::size_t end, VertexId u, const glm::vec3& offset);
   void list_candidates(WedgeId own, VertexId u);
   [[nodiscard]] float extent2(std::size_t begin, std::size_t end) const;
 

@@ -58,7 +58,7 @@ void add_vertices(const HierarchyView& view, std::size_t first, std::size_t coun
 
 bool needs_wedges(const HierarchyView& view) {
   return !view.extra_wedges.empty() || !view.texture_coordinates.empty() || !view.wedge_materials.empty() ||
-         !view.materials.empty() || !view.textures.empty();
+         !view.materials.empty() || !view.textures.empty() || !view.attribute_errors.empty();
 }
 
 std::uint64_t digest_of_base(const HierarchyView& view) {

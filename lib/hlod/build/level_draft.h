@@ -87,7 +87,9 @@ struct WedgeMesh {
   // Returns whether a vertex may have several wedges.
   [[nodiscard]] bool has_seams() const noexcept { return !extra_wedges.empty(); }
   // Returns whether simplification takes attributes into account.
-  [[nodiscard]] bool has_wedge_attributes() const noexcept { return has_seams() || !texture_coordinates.empty(); }
+  [[nodiscard]] bool has_wedge_attributes() const noexcept {
+    return has_seams() || !texture_coordinates.empty() || !normals.empty() || !colors.empty();
+  }
 
   // Adds a wedge of `vertex` with the attributes and the material of `like`.
   void add(VertexId vertex, WedgeId like) {
