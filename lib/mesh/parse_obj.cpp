@@ -134,7 +134,7 @@ void ObjMaterials::read_libraries(const FileErrors& errors) {
       read_library(folder / name, fs::path(name).parent_path());
   }
   for (std::size_t m = 0; m < soup_.materials.size(); ++m)
-    soup_.left_out.materials += !is_defined_[m] && !soup_.materials[m].name.empty();
+    soup_.left_out.add("undefined materials (usemtl)", !is_defined_[m] && !soup_.materials[m].name.empty());
 }
 
 // Reads a library. The first definition of a name counts. Names of textures become relative to the folder of the OBJ
@@ -195,7 +195,8 @@ class ObjParser {
     materials_.read_libraries(errors_);
     place_textures(soup_, materials_.placements(), attributes_, errors_);
     if (!attributes_.corners.empty()) split_vertices(soup_, attributes_, errors_);
-    soup_.left_out.groups = objects_.count() + groups_.count();
+    soup_.left_out.add("objects (o)", objects_.count());
+    soup_.left_out.add("groups (g)", groups_.count());
     return std::move(soup_);
   }
 
@@ -331,9 +332,9 @@ class ObjParser {
   }
 
   void count_unused_attributes() {
-    soup_.left_out.texture_coordinates =
-        count_unused(attributes_.texture_coordinates.size(), &AttributeCorner::texture);
-    soup_.left_out.normals = count_unused(attributes_.normals.size(), &AttributeCorner::normal);
+    soup_.left_out.add("unused texture coordinates (vt)",
+                       count_unused(attributes_.texture_coordinates.size(), &AttributeCorner::texture));
+    soup_.left_out.add("unused normals (vn)", count_unused(attributes_.normals.size(), &AttributeCorner::normal));
   }
 
   std::uint64_t count_unused(std::size_t count, std::uint32_t AttributeCorner::*index) const {

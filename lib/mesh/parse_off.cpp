@@ -32,7 +32,7 @@ class OffParser {
     cursor_.skip_line();
     soup_.positions.reserve(vertices);
     for (std::uint64_t i = 0; i < vertices; ++i) read_vertex(i, vertices);
-    if (format_.texture) soup_.left_out.texture_coordinates = vertices;
+    if (format_.texture) soup_.left_out.add("texture coordinates", vertices);
     for (std::uint64_t i = 0; i < faces; ++i) read_face(i, faces);
     soup_.check(cursor_.errors());
     return std::move(soup_);
@@ -135,7 +135,7 @@ class OffParser {
       }
       soup_.add_corner(static_cast<VertexId>(vertex));
     }
-    if (!cursor_.at_line_end()) ++soup_.left_out.colors;
+    if (!cursor_.at_line_end()) soup_.left_out.add("face colours");
     soup_.end_polygon(cursor_.line());
     cursor_.skip_line();
   }

@@ -119,7 +119,7 @@ class BodyParser {
     soup_.check(errors_);
     if (!soup_.polygon_materials.empty()) soup_.polygon_materials.resize(soup_.polygon_count(), MaterialId{0});
     if (!attributes_.corners.empty()) {
-      soup_.left_out.texture_coordinates += soup_.texture_coordinates.size();
+      soup_.left_out.add("texture coordinates of vertices", soup_.texture_coordinates.size());
       split_vertices(soup_, attributes_, errors_);
     }
     return std::move(soup_);
@@ -185,9 +185,9 @@ class BodyParser {
   void count_left_out(const PlyElement& element) {
     LeftOut& left_out = soup_.left_out;
     const VertexLayout layout(element);
-    if (element.name == "face" && layout.has(slot_normal, 3)) left_out.normals += element.count;
-    if (element.name == "face" && layout.has(slot_red, 3)) left_out.colors += element.count;
-    if (element.name == "material") left_out.materials += element.count;
+    if (element.name == "face" && layout.has(slot_normal, 3)) left_out.add("face normals", element.count);
+    if (element.name == "face" && layout.has(slot_red, 3)) left_out.add("face colours", element.count);
+    if (element.name == "material") left_out.add("element material", element.count);
   }
 
   static bool is_corner_list(const PlyProperty& p) {

@@ -38,14 +38,15 @@ class AsciiStlParser {
       cursor_.skip_line();
     }
     soup_.check(cursor_.errors());
-    soup_.left_out.groups = solids_.count();
+    soup_.left_out.add("facet normals", facets_);
+    soup_.left_out.add("solids", solids_.count());
     return std::move(soup_);
   }
 
  private:
   void read_facet() {
     cursor_.skip_line();  // the normal
-    ++soup_.left_out.normals;
+    ++facets_;
     const std::uint64_t line = cursor_.line();
     expect("outer");
     expect("loop");
@@ -86,12 +87,14 @@ class AsciiStlParser {
   TextCursor cursor_;
   PolygonSoup soup_;
   DistinctNames solids_;
+  std::uint64_t facets_ = 0;
 };
 
 PolygonSoup parse_binary(std::string_view bytes, std::size_t facets, const FileErrors& errors) {
   PolygonSoup soup;
   if (3 * facets >= max_vertices) errors.fail("", "has too many facets", "split the mesh into parts");
   soup.positions.reserve(3 * facets);
+  std::uint64_t attributes = 0;  // facets with attribute bytes, which programs use as they like, often for colours
   for (std::size_t facet = 0; facet < facets; ++facet) {
     const char* at = bytes.data() + stl_prefix_size + facet * stl_facet_size + 3 * sizeof(float);
     for (int corner = 0; corner < 3; ++corner, at += 3 * sizeof(float)) {
@@ -100,9 +103,10 @@ PolygonSoup parse_binary(std::string_view bytes, std::size_t facets, const FileE
                       load<float>(at + 8, std::endian::little), 0);
     }
     soup.end_polygon(0);
-    if (load<std::uint16_t>(at, std::endian::little) != 0) ++soup.left_out.colors;
+    attributes += load<std::uint16_t>(at, std::endian::little) != 0;
   }
-  soup.left_out.normals = facets;
+  soup.left_out.add("facet normals", facets);
+  soup.left_out.add("facet attributes", attributes);
   soup.check(errors);
   return soup;
 }

@@ -116,13 +116,13 @@ TEST_F(ReadMtl, SharesTextures) {
 TEST_F(ReadMtl, GoesWithoutALibrary) {
   const std::string rest = std::string(square) + "usemtl a\n" + halves[0] + "usemtl b\n" + halves[1];
   const CleanMesh missing = read("mtllib no such.mtl\n" + rest);
-  EXPECT_EQ(missing.report.left_out.materials, 2u);
+  EXPECT_EQ(missing.report.left_out.count("undefined materials (usemtl)"), 2u);
   EXPECT_EQ(missing.mesh.materials.at(1).name, "b");
   static_cast<void>(folder_.write("b.mtl", "newmtl b\nKd 0 0 0\n"));
-  EXPECT_EQ(read("mtllib b.mtl\n" + rest).report.left_out.materials, 1u);
-  EXPECT_EQ(read(rest).report.left_out.materials, 2u);
+  EXPECT_EQ(read("mtllib b.mtl\n" + rest).report.left_out.count("undefined materials (usemtl)"), 1u);
+  EXPECT_EQ(read(rest).report.left_out.count("undefined materials (usemtl)"), 2u);
   static_cast<void>(folder_.write("empty.mtl", ""));
-  EXPECT_EQ(read("mtllib empty.mtl\n" + rest).report.left_out.materials, 2u);
+  EXPECT_EQ(read("mtllib empty.mtl\n" + rest).report.left_out.count("undefined materials (usemtl)"), 2u);
 }
 
 // A name may have blanks and quotes; a line may have several; files are relative to the OBJ file, textures to theirs.

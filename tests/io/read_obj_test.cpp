@@ -94,11 +94,11 @@ TEST_F(ReadObj, KeepsTheTextureCoordinateOfEachCorner) {
   // Polygons keep theirs when they are cut. Corners without one have (0, 0).
   const CleanMesh polygon = read(v + vt + "f 1/6 2/2 3/3 4\n");
   EXPECT_EQ(polygon.mesh.texture_coordinates, (std::vector<glm::vec2>{{0.7F, 0.3F}, {0.1F, 0}, {0.1F, 0.1F}, {0, 0}}));
-  EXPECT_EQ(polygon.report.left_out.texture_coordinates, 3u);  // 1, 4 and 5
+  EXPECT_EQ(polygon.report.left_out.count("unused texture coordinates (vt)"), 3u);  // 1, 4 and 5
   // A coordinate that is not finite becomes (0, 0) and counts as left out.
   const CleanMesh nan = read(v + "vt nan 1\nvt 1 1\nf 1/1 2/2 3/2\n");
   EXPECT_EQ(nan.mesh.texture_coordinates, (std::vector<glm::vec2>{{0, 0}, {1, 1}, {1, 1}}));
-  EXPECT_EQ(nan.report.left_out.texture_coordinates, 1u);
+  EXPECT_EQ(nan.report.left_out.count("texture coordinates that are not finite"), 1u);
 }
 
 // Attributes may come after the faces that use them, and before the vertices.
