@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "base/atomic_file.h"
+#include "base/text.h"
 #include "occlod/base.h"
 
 namespace occlod::olod {
@@ -337,11 +338,20 @@ TextureWrap wrap_of(const Json& name) {
 }
 
 Json to_json(const Texture& texture) {
-  return {{"file", texture.file},
-          {"mime_type", texture.mime_type},
-          {"bytes", texture.bytes.size()},
-          {"wrap_s", wrap_names[static_cast<std::size_t>(texture.wrap_s)]},
-          {"wrap_t", wrap_names[static_cast<std::size_t>(texture.wrap_t)]}};
+  Json json = {{"file", texture.file},
+               {"mime_type", texture.mime_type},
+               {"bytes", texture.bytes.size()},
+               {"wrap_s", wrap_names[static_cast<std::size_t>(texture.wrap_s)]},
+               {"wrap_t", wrap_names[static_cast<std::size_t>(texture.wrap_t)]}};
+  // Bytes that are not UTF-8 are kept, so that the file is found, as if they were Latin-1.
+  if (!is_utf8(texture.file)) json["file_latin1"] = from_latin1(texture.file);
+  return json;
+}
+
+std::string file_of(const Json& texture) {
+  if (!texture.contains("file_latin1")) return texture.at("file").get<std::string>();
+  if (std::optional<std::string> file = to_latin1(texture["file_latin1"].get<std::string>())) return std::move(*file);
+  throw Json::other_error::create(501, "not Latin-1", &texture);
 }
 
 Json to_json(const Material& material) {
@@ -371,7 +381,7 @@ std::optional<Materials> unpack(std::string_view text, std::span<const std::uint
     for (const Json& texture : json.at("textures")) {
       const auto size = texture.at("bytes").get<std::size_t>();
       if (size > images.size()) return std::nullopt;
-      result.textures.push_back({texture.at("file").get<std::string>(),
+      result.textures.push_back({file_of(texture),
                                  texture.at("mime_type").get<std::string>(),
                                  {images.begin(), images.begin() + static_cast<std::ptrdiff_t>(size)},
                                  wrap_of(texture.at("wrap_s")),

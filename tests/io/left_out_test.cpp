@@ -51,7 +51,9 @@ TEST_F(LeftOutTest, OfObj) {
                                           {"unused normals (vn)", 1},
                                           {"undefined materials (usemtl)", 3},
                                           {"objects (o)", 1},
-                                          {"groups (g)", 2}}));
+                                          {"groups (g)", 2},
+                                          {"smoothing groups (s)", 1},
+                                          {"missing libraries (mtllib)", 1}}));
 }
 
 // What vertices keep is not left out.
@@ -74,8 +76,13 @@ TEST_F(LeftOutTest, OfPly) {
   const std::string normal = "property float nx\nproperty float ny\nproperty float nz\n";
   // Three elements `material` in each; textures are kept.
   EXPECT_EQ(counts("a.ply", text(color + normal, "", " 1 2 3 0 0 1", "")), named({{"element material", 3}}));
-  EXPECT_EQ(counts("a.ply", text("", color + normal, "", " 1 2 3 0 0 1")),
-            named({{"face normals", 1}, {"face colours", 1}, {"element material", 3}}));
+  EXPECT_EQ(counts("a.ply", text("", color + normal, "", " 1 2 3 0 0 1")), named({{"property red of face", 1},
+                                                                                  {"property green of face", 1},
+                                                                                  {"property blue of face", 1},
+                                                                                  {"property nx of face", 1},
+                                                                                  {"property ny of face", 1},
+                                                                                  {"property nz of face", 1},
+                                                                                  {"element material", 3}}));
   for (const auto& [u, v] : {std::pair("u", "v"), std::pair("s", "t"), std::pair("texture_u", "texture_v")}) {
     const std::string pair = std::string("property float ") + u + "\nproperty float " + v + "\n";
     EXPECT_EQ(counts("a.ply", text(pair, "", " 0 1", "")), named({{"element material", 3}}));
@@ -83,7 +90,8 @@ TEST_F(LeftOutTest, OfPly) {
     EXPECT_EQ(counts("a.ply", text(pair, "property list uchar float texcoord\n", " 0 1", " 6 0 0 1 0 0 1")),
               named({{"texture coordinates of vertices", 3}, {"element material", 3}}));
   }
-  EXPECT_EQ(counts("a.ply", text("property float u\n", "", " 0", "")), named({{"element material", 3}}));
+  EXPECT_EQ(counts("a.ply", text("property float u\n", "", " 0", "")),
+            named({{"property u of vertex", 3}, {"element material", 3}}));
   // As MeshLab writes wedges: three pairs, and the number of the texture.
   EXPECT_EQ(
       counts("a.ply", text("", "property list uchar float texcoord\nproperty int texnumber\n", "", " 6 0 0 1 0 0 1 0")),
@@ -91,8 +99,7 @@ TEST_F(LeftOutTest, OfPly) {
 }
 
 TEST_F(LeftOutTest, OfOff) {
-  EXPECT_EQ(counts("a.off", "STOFF\n3 1 0\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"),
-            named({{"texture coordinates", 3}}));
+  EXPECT_EQ(counts("a.off", "STOFF\n3 1 0\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"), LeftOut{});
   EXPECT_EQ(counts("a.off", "OFF\n4 3 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2 1 0 0\n3 1 3 2\n3 0 1 3 7\n"),
             named({{"face colours", 2}}));
 }
@@ -109,7 +116,7 @@ TEST_F(LeftOutTest, OfStl) {
   bytes.add(std::uint32_t{2});
   for (const std::uint16_t attribute : {std::uint16_t{0}, std::uint16_t{0x801f}})
     bytes.add_point(0, 0, 1).add_point(0, 0, 0).add_point(1, 0, 0).add_point(0, 1, 0).add(attribute);
-  EXPECT_EQ(counts("a.stl", bytes.str()), named({{"facet normals", 2}, {"facet attributes", 1}}));
+  EXPECT_EQ(counts("a.stl", bytes.str()), named({{"facet normals", 2}, {"facets with attribute bytes", 1}}));
 }
 
 // One triangle mesh of two primitives with three vertices each, placed by two nodes, and a third node without a mesh.
