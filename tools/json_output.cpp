@@ -99,4 +99,12 @@ std::string in_words(const LeftOut& counts) {
   return words.empty() ? "nothing" : words;
 }
 
+void print_result(Json result, const LeftOut& left_out, bool json) {
+  if (json)
+    result["left_out"] = to_json(left_out);
+  else
+    result["left_out"] = in_words(left_out);
+  json ? print_json(result) : print_lines(result);
+}
+
 }  // namespace occlod::tool

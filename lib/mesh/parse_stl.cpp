@@ -91,10 +91,14 @@ class BinaryStlParser {
 
   // Reads the facets that the header counts, then those of files that follow as a whole. What remains is counted.
   PolygonSoup parse() && {
-    read_file(facets_at(bytes_), true);
+    const bool is_whole = (bytes_.size() - stl_prefix_size) % stl_facet_size == 0;
+    // Programs that write to a pipe cannot go back to fill in the number, and leave 0.
+    const std::size_t first = facets_at(bytes_) == 0 && is_whole ? room(bytes_) : facets_at(bytes_);
+    soup_.positions.reserve(3 * first);
+    read_file(first);
     while (const std::size_t facets = facets_at(bytes_)) {
       if (facets > room(bytes_)) break;
-      read_file(facets, false);
+      read_file(facets);
     }
     soup_.left_out.add("facet normals", soup_.polygon_count());
     soup_.left_out.add("facets with attribute bytes", attributes_);
@@ -111,10 +115,7 @@ class BinaryStlParser {
   static std::size_t room(std::string_view bytes) { return (bytes.size() - stl_prefix_size) / stl_facet_size; }
 
  private:
-  void read_file(std::size_t facets, bool is_first) {
-    // Programs that write to a pipe cannot go back to fill in the number, and leave 0.
-    const std::size_t rest = bytes_.size() - stl_prefix_size;
-    if (is_first && facets == 0 && rest % stl_facet_size == 0) facets = rest / stl_facet_size;
+  void read_file(std::size_t facets) {
     if (soup_.positions.size() + 3 * facets >= max_vertices)
       errors_.fail("", "has too many facets", "split the mesh into parts");
     // As Materialise Magics writes the colour and the material of all facets.
@@ -122,7 +123,6 @@ class BinaryStlParser {
       if (bytes_.substr(0, stl_header_size).find(key) != std::string_view::npos)
         soup_.left_out.add(std::string(key) + " of the header");
     }
-    soup_.positions.reserve(soup_.positions.size() + 3 * facets);
     bytes_.remove_prefix(stl_prefix_size);
     for (std::size_t facet = 0; facet < facets; ++facet) read_facet(bytes_.data() + facet * stl_facet_size);
     bytes_.remove_prefix(facets * stl_facet_size);
@@ -145,11 +145,6 @@ class BinaryStlParser {
   std::uint64_t attributes_ = 0;  // facets with attribute bytes, which programs use as they like, often for colours
 };
 
-bool begins_with_solid(std::string_view bytes) {
-  const std::size_t first = std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size());
-  return equal_ignoring_case(bytes.substr(first, 5), "solid");
-}
-
 }  // namespace
 
 // Many binary files begin with "solid" as well. They are told from texts by their number of facets, for which they have
@@ -162,7 +157,7 @@ PolygonSoup parse_stl(std::string_view bytes, const FileErrors& errors) {
   if (is_exact || (facets <= room && !is_wide_text(bytes))) return BinaryStlParser(bytes, errors).parse();
   const std::string_view text = as_utf8(bytes, converted, errors);
   const bool has_zeros = text.substr(0, 2 * stl_prefix_size).find('\0') != std::string_view::npos;
-  if (begins_with_solid(text) && !has_zeros) return AsciiStlParser(text, errors).parse();
+  if (!has_zeros) return AsciiStlParser(text, errors).parse();
   errors.fail("byte 80", fmt::format("promises {} facets, but the file has room for {}", facets, room),
               "the file is cut short or no STL; export the mesh again");
 }
