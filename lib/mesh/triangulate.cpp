@@ -58,19 +58,19 @@ glm::ivec2 Triangulator::Grid::cell_of(const glm::dvec2& at) const {
 }
 
 template <class Test>
-bool Triangulator::Grid::any_of(const glm::dvec2& low, const glm::dvec2& high, std::size_t& steps,
-                                const Test& test) const {
+std::uint32_t Triangulator::Grid::find(const glm::dvec2& low, const glm::dvec2& high, std::size_t& steps,
+                                       const Test& test) const {
   const glm::ivec2 begin = cell_of(low), end = cell_of(high);
   for (int y = begin.y; y <= end.y; ++y) {
     for (int x = begin.x; x <= end.x; ++x) {
       ++steps;
       for (std::uint32_t corner = first_[index_of({x, y})]; corner != no_id; corner = next_[corner]) {
         ++steps;
-        if (test(corner)) return true;
+        if (test(corner)) return corner;
       }
     }
   }
-  return false;
+  return no_id;
 }
 
 void Triangulator::Grid::remove(std::uint32_t corner, const glm::dvec2& at) {
@@ -129,6 +129,7 @@ Triangulator::Clipping Triangulator::clip_ears(std::span<const VertexId> corners
   const auto n = static_cast<std::uint32_t>(corners.size());
   next_.resize(n);
   previous_.resize(n);
+  blockers_.assign(n, no_id);
   for (std::uint32_t i = 0; i < n; ++i) {
     next_[i] = i + 1 == n ? 0 : i + 1;
     previous_[i] = i == 0 ? n - 1 : i - 1;
@@ -170,6 +171,7 @@ void Triangulator::unlink(std::uint32_t corner) {
   if (uses_grid_) grid_.remove(corner, points_[corner]);
   next_[previous_[corner]] = next_[corner];
   previous_[next_[corner]] = previous_[corner];
+  previous_[corner] = corner;  // marks it as removed
 }
 
 double Triangulator::turn_at(std::uint32_t corner) const {
@@ -191,12 +193,19 @@ bool Triangulator::is_ear(std::uint32_t tip, bool allow_flat) {
     if (p == a || p == b || p == c || turn_at(corner) > 0.0) return false;
     return turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0;
   };
-  if (uses_grid_) return !grid_.any_of(glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c)), steps_, is_inside);
-  for (std::uint32_t i = next_[next_[tip]]; i != previous_[tip]; i = next_[i]) {
-    ++steps_;
-    if (is_inside(i)) return false;
+  std::uint32_t& blocker = blockers_[tip];
+  const bool is_removed = blocker == no_id || previous_[blocker] == blocker;
+  if (!is_removed && is_inside(blocker)) return false;
+  blocker = no_id;
+  if (uses_grid_) {
+    blocker = grid_.find(glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c)), steps_, is_inside);
+  } else {
+    for (std::uint32_t i = next_[next_[tip]]; i != previous_[tip] && blocker == no_id; i = next_[i]) {
+      ++steps_;
+      if (is_inside(i)) blocker = i;
+    }
   }
-  return true;
+  return blocker == no_id;
 }
 
 template bool Triangulator::append(std::span<const VertexId> corners, std::vector<Triangle>& triangles);
