@@ -1,6 +1,5 @@
-// Ear clipping; Eberly, "Triangulation by Ear Clipping", 2002. mapbox's earcut and others leave out corners on straight
-// edges, whose neighbours then have a corner where this polygon has none. Here every corner stays, for a surface
-// without cracks. A grid finds the corners near an ear.
+// Ear clipping; Eberly, "Triangulation by Ear Clipping", 2002. A grid finds the corners near an ear. Why no library:
+// docs/decisions/002-own_mesh_readers.md.
 #include "mesh/triangulate.h"
 
 #include <algorithm>
@@ -14,7 +13,6 @@
 namespace occlod {
 namespace {
 
-constexpr std::size_t max_steps = std::size_t{1} << 28;
 constexpr std::size_t fewest_for_grid = 64;  // corners
 
 // Returns twice the signed area of a, b, c, which is positive for a left turn.
@@ -150,7 +148,7 @@ Triangulator::Clipping Triangulator::clip_ears(std::span<const VertexId> corners
     // Flat ears, whose triangles have no area, are cut only when no other ear is left; they are corners on a straight
     // edge.
     if (refused == 2 * left) return Clipping::crosses_itself;
-    if (steps_ > max_steps) return Clipping::takes_too_long;
+    if (steps_ > max_steps_) return Clipping::takes_too_long;
     if (!is_ear(tip, refused >= left)) {
       ++refused;
       tip = next_[tip];

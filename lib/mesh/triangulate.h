@@ -16,12 +16,14 @@ namespace occlod {
 // Cuts polygons into triangles. Keeps its scratch memory from polygon to polygon. `positions` outlives it.
 class Triangulator {
  public:
-  explicit Triangulator(std::span<const glm::vec3> positions) : positions_(positions) {}
+  // A step looks at a corner or at a cell of a grid.
+  explicit Triangulator(std::span<const glm::vec3> positions, std::size_t max_steps = std::size_t{1} << 30)
+      : positions_(positions), max_steps_(max_steps) {}
 
   // Appends corners.size() - 2 triangles with the polygon's winding: a fan if it is strictly convex, otherwise ears
   // clipped in the plane of its area vector (Newell). A polygon that crosses itself or lies on a line becomes a fan.
   // There must be at least three corners, with finite positions. Returns false, with nothing appended, when clipping
-  // takes more than 2^28 steps, about a second, which spirals of 100,000 corners do.
+  // takes more than max_steps, which are some seconds; spirals of 100,000 corners take half of them.
   template <class Triangles>  // a vector or a LargeVector
   [[nodiscard]] bool append(std::span<const VertexId> corners, Triangles& triangles);
 
@@ -60,13 +62,14 @@ class Triangulator {
   [[nodiscard]] double turn_at(std::uint32_t corner) const;
 
   std::span<const glm::vec3> positions_;
+  std::size_t max_steps_;
   std::vector<glm::dvec2> points_;   // the polygon in its plane, counter-clockwise
   std::vector<std::uint32_t> next_;  // next remaining corner of each corner
   std::vector<std::uint32_t> previous_;
   std::vector<std::uint32_t> blockers_;  // by corner: the last corner that was found in its triangle, or no_id
   Grid grid_;
   bool uses_grid_ = false;  // only for large polygons
-  std::size_t steps_ = 0;   // corners and cells looked at while clipping the current polygon
+  std::size_t steps_ = 0;   // so far, for the current polygon
 };
 
 }  // namespace occlod
