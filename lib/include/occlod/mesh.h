@@ -96,15 +96,15 @@ struct TriangleMesh {
 // corner uses them.
 class LeftOut {
  public:
-  struct Entry {
-    std::string name;
+  struct Entry {  // a name and its count
+    std::string name;         // in the words of the file
     std::uint64_t count = 0;  // at least 1
     // True when name and count are equal.
     [[nodiscard]] bool operator==(const Entry&) const = default;
   };
 
-  static constexpr std::size_t max_names = 256;
-  static constexpr std::size_t max_name_bytes = 128;
+  static constexpr std::size_t max_names = 256;       // without "others"
+  static constexpr std::size_t max_name_bytes = 128;  // of a name
 
   // Adds to the count of a name; a count of 0 changes nothing. Files may name things as they like: control characters
   // become '?', a long name is cut to max_name_bytes, and when there are max_names names, new ones count as "others".
