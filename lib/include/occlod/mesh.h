@@ -96,7 +96,8 @@ struct TriangleMesh {
 // corner uses them.
 class LeftOut {
  public:
-  struct Entry {  // a name and its count
+  // A name and its count.
+  struct Entry {
     std::string name;         // in the words of the file
     std::uint64_t count = 0;  // at least 1
     // True when name and count are equal.
