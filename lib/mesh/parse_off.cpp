@@ -121,12 +121,11 @@ class OffParser {
 
   // Reads a colour of three or four components; only their number tells whether there is alpha.
   void read_color(std::size_t vertex) {
-    const std::size_t components =
-        cursor_.words_left() - std::min<std::size_t>(cursor_.words_left(), format_.texture ? 2 : 0);
-    if (components < 3)
+    const std::size_t words = cursor_.words_left(), fewest = format_.texture ? 5 : 3;
+    if (words < fewest)
       cursor_.fail("a vertex of a COFF file needs three or four colour numbers", "export the mesh again");
     glm::vec4 color(0.0F, 0.0F, 0.0F, VertexColors<InMemory>::no_alpha);
-    for (int i = 0; i < (components == 3 ? 3 : 4); ++i) color[i] = to_float(cursor_.number("a colour"));
+    for (int i = 0; i < (words == fewest ? 3 : 4); ++i) color[i] = to_float(cursor_.number("a colour"));
     colors_.add(vertex, color);
   }
 
