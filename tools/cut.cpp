@@ -51,7 +51,8 @@ void run(const Options& options) {
   check_files(options);
   Progress progress(options.progress);
   progress.show("reading " + options.file, std::nullopt);
-  const Hierarchy hierarchy = read_olod(options.file).hierarchy;
+  const OlodFile file = read_olod(options.file);
+  const Hierarchy& hierarchy = file.hierarchy;
   const FixedCut cut = chosen_cut(options, hierarchy);
   const TriangleMesh mesh = cut_mesh(hierarchy, cut);
   write_interruptibly(options.output, 0, progress, [&] { write_mesh(options.output, mesh); });
@@ -64,7 +65,7 @@ void run(const Options& options) {
                        {"splits", cut.splits},
                        {"guaranteed_error", cut.guaranteed_error},
                        {"rms_error", cut.error}};
-  options.json ? print_json(result) : print_lines(result);
+  print_result(result, file.report.left_out, options.json);
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ void run(const Options& options) {
                        {"peak_bytes", peak_bytes()}};
   for (const std::string& image : counts.images_left_out)
     print_note(image + ": no PNG or JPEG image; left out (--images names the folder that files are relative to)");
-  options.json ? print_json(result) : print_lines(result);
+  print_result(result, file.report.left_out, options.json);
 }
 
 }  // namespace

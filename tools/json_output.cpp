@@ -43,11 +43,9 @@ Json to_json(const MeshReport& report) {
 }
 
 Json to_json(const LeftOut& counts) {
-  return {{"texture_coordinates", counts.texture_coordinates},
-          {"normals", counts.normals},
-          {"colors", counts.colors},
-          {"materials", counts.materials},
-          {"groups", counts.groups}};
+  Json json = Json::object();
+  for (const LeftOut::Entry& entry : counts.entries()) json[entry.name] = entry.count;
+  return json;
 }
 
 Json topology_to_json(const MeshReport& report) {
@@ -96,14 +94,17 @@ void print_lines(const MeshReport& report) {
 
 std::string in_words(const LeftOut& counts) {
   std::string words;
-  const Json all = to_json(counts);
-  for (const auto& [key, count] : all.items()) {
-    if (count == 0) continue;
-    std::string what = key;
-    std::ranges::replace(what, '_', ' ');
-    words += fmt::format("{}{} {}", words.empty() ? "" : ", ", count.get<std::uint64_t>(), what);
-  }
+  for (const LeftOut::Entry& entry : counts.entries())
+    words += fmt::format("{}{} {}", words.empty() ? "" : ", ", entry.count, entry.name);
   return words.empty() ? "nothing" : words;
+}
+
+void print_result(Json result, const LeftOut& left_out, bool json) {
+  if (json)
+    result["left_out"] = to_json(left_out);
+  else
+    result["left_out"] = in_words(left_out);
+  json ? print_json(result) : print_lines(result);
 }
 
 }  // namespace occlod::tool

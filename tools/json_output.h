@@ -28,7 +28,9 @@ void print_json(const Json& object);
 // Prints one "key  value" line each for people. Nested lists and objects are left out.
 void print_lines(const Json& object);
 void print_lines(const MeshReport& report);
-// Returns the counts that are not 0, like "71396 texture coordinates, 34 groups", or "nothing".
+// Returns the counts, like "34 groups (g), 12 lines (l)", or "nothing".
 [[nodiscard]] std::string in_words(const LeftOut& counts);
+// Prints a result, and what was left out of the mesh that it was made from: as JSON or in lines.
+void print_result(Json result, const LeftOut& left_out, bool json);
 
 }  // namespace occlod::tool

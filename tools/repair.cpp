@@ -94,7 +94,8 @@ void print_topology(const Json& report) {
     fmt::print(fmt::runtime(row), key, before.dump(), report["after"][key].dump(), report["after_welding"][key].dump());
 }
 
-void print_report(const Json& report, const RepairCounts& changes) {
+void print_report(Json report, const LeftOut& left_out, const RepairCounts& changes) {
+  report["left_out"] = in_words(left_out);
   print_lines(report);
   print_lines(report["changes"]);
   print_topology(report);
@@ -121,7 +122,7 @@ void run(const Options& options) {
   progress.clear();
   Json report = report_of(options, input, repaired);
   report["repair_ms"] = repair_ms;
-  options.json ? print_json(report) : print_report(report, repaired.changes);
+  options.json ? print_json(report) : print_report(report, input.report.left_out, repaired.changes);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,6 +23,12 @@ namespace occlod {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
   return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+}
+
+// True when the texts differ at most in the case of ASCII letters.
+[[nodiscard]] inline bool equal_ignoring_case(std::string_view a, std::string_view b) noexcept {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::ranges::equal(a, b, {}, lower, lower);
 }
 
 // Reads the sizeof(Number) bytes at `at` in the given byte order. `at` need not be aligned.
@@ -76,6 +83,8 @@ class TextCursor {
   // Reads the next word of this line as a number; `what` names it in errors, e.g. "x of a vertex".
   [[nodiscard]] double number(const char* what);
   [[nodiscard]] std::int64_t integer(const char* what);
+  // Returns the number of words from here to the end of this line.
+  [[nodiscard]] std::size_t words_left() const;
 
   [[noreturn]] void fail(std::string problem, std::string remedy) const {
     errors_->fail_at_line(line_, std::move(problem), std::move(remedy));
@@ -110,6 +119,13 @@ inline constexpr TextCursor::Syntax obj_syntax{.hash_comments = true, .backslash
 
 // Returns the size in bytes of the byte order mark at the beginning of a UTF-8 text, or 0.
 [[nodiscard]] std::size_t utf8_mark_bytes(std::string_view beginning);
+
+// True when the bytes are UTF-8, without surrogates and overlong forms.
+[[nodiscard]] bool is_utf8(std::string_view bytes) noexcept;
+// Converts Latin-1 to UTF-8.
+[[nodiscard]] std::string from_latin1(std::string_view bytes);
+// Undoes from_latin1(); returns nothing for UTF-8 with other characters.
+[[nodiscard]] std::optional<std::string> to_latin1(std::string_view text);
 
 // A text read in runs of whole lines, so that it need not be in memory as a whole.
 class TextChunks {

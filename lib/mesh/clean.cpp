@@ -201,7 +201,7 @@ class Cleaner {
       glm::vec2& at = mesh_.texture_coordinates[v];
       if (std::isfinite(at.x) && std::isfinite(at.y)) continue;
       at = glm::vec2(0.0F);
-      report_.left_out.texture_coordinates += used_[v];
+      report_.left_out.add(not_finite_coordinates, used_[v]);
     }
   }
 

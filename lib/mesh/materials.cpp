@@ -1,10 +1,14 @@
 #include "mesh/materials.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "base/text.h"
 
@@ -78,11 +82,18 @@ class MtlParser {
   std::vector<MtlMaterial> parse() && {
     for (; cursor_.find_word(); cursor_.skip_line()) {
       const std::string_view keyword = cursor_.word();
-      if (keyword == "newmtl") begin_material();
-      if (keyword == "Kd") read_color();
-      if (keyword == "d") read_dissolve();
-      if (keyword == "Tr") read_transparency();
-      if (keyword == "map_Kd") read_map();
+      if (equal_ignoring_case(keyword, "newmtl"))
+        begin_material();
+      else if (equal_ignoring_case(keyword, "Kd"))
+        read_color();
+      else if (equal_ignoring_case(keyword, "d"))
+        read_dissolve();
+      else if (equal_ignoring_case(keyword, "Tr"))
+        read_transparency();
+      else if (equal_ignoring_case(keyword, "map_Kd"))
+        read_map();
+      else
+        leave_out(keyword);
     }
     return std::move(materials_);
   }
@@ -90,6 +101,7 @@ class MtlParser {
  private:
   void begin_material() {
     materials_.push_back({.material = {.name = std::string(cursor_.rest_of_line())}, .texture = {}});
+    materials_.back().left_out = std::exchange(before_first_, {});
     has_dissolve_ = false;
   }
 
@@ -98,11 +110,16 @@ class MtlParser {
     return materials_.back();
   }
 
+  // Counts what stands before the first material with that one.
+  void leave_out(std::string_view what) { (materials_.empty() ? before_first_ : materials_.back().left_out).add(what); }
+
   // Reads "r [g b]"; spectral curves are not followed and CIE XYZ is not converted.
   void read_color() {
     Material& material = current().material;
     const std::string_view line = cursor_.rest_of_line();
-    if (line.starts_with("spectral") || line.starts_with("xyz")) return;
+    for (const char* const kind : {"spectral", "xyz"}) {
+      if (line.starts_with(kind)) return leave_out(fmt::format("Kd {}", kind));
+    }
     Words words(line);
     std::array<double, 3> color{};
     int count = 0;
@@ -117,7 +134,10 @@ class MtlParser {
   // Reads "[-halo] opacity".
   void read_dissolve() {
     Words words(cursor_.rest_of_line());
-    if (words.front() == "-halo") words.take();
+    if (words.front() == "-halo") {
+      words.take();
+      leave_out("d -halo");
+    }
     current().material.base_color.a = unit(number(words.take()));
     has_dissolve_ = true;
   }
@@ -135,6 +155,7 @@ class MtlParser {
       if (option->name == "-o") placement.offset = take_pair(option->name, words, 0.0);
       if (option->name == "-s") placement.scale = take_pair(option->name, words, 1.0);
       if (option->name == "-o" || option->name == "-s") continue;
+      if (option->name != "-clamp") leave_out(fmt::format("map_Kd {}", option->name));
       if (option->name == "-clamp" && words.front() == "on") texture.wrap_s = texture.wrap_t = TextureWrap::clamp;
       words.take();
       for (int i = 1; i < option->words && is_number(words.front()); ++i) words.take();
@@ -178,6 +199,7 @@ class MtlParser {
 
   TextCursor cursor_;
   std::vector<MtlMaterial> materials_;
+  LeftOut before_first_;
   bool has_dissolve_ = false;  // true when the current material has d
 };
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/file_input.h"
+#include "base/text.h"
 #include "mesh/polygon_soup.h"
 #include "occlod/mesh.h"
 
@@ -41,10 +42,12 @@ struct MtlMaterial {
   Material material;            // without its texture
   Texture texture;              // its file is empty when the material has no texture
   MapPlacement placement = {};  // how the texture is placed
+  LeftOut left_out = {};        // keywords and options that were not read
 };
 
-// Reads newmtl, Kd, d, Tr and map_Kd, with the options -clamp, -o and -s of map_Kd; everything else is ignored. `text`
-// is UTF-8. Throws Error for numbers that cannot be read and for values before the first newmtl. O(n).
+// Reads newmtl, Kd, d, Tr and map_Kd, with the options -clamp, -o and -s of map_Kd, in upper or lower case; everything
+// else is counted by its keyword. `text` is UTF-8, or has names in another encoding whose bytes are kept. Throws Error
+// for numbers that cannot be read and for values before the first newmtl. O(n).
 [[nodiscard]] std::vector<MtlMaterial> parse_mtl(std::string_view text, const FileErrors& errors);
 
 // Returns a file name from a text with slashes instead of the backslashes of Windows.
@@ -59,7 +62,8 @@ class MaterialTable {
   explicit MaterialTable(SoupTables& soup) : soup_(soup) {}
 
   // Finds the material of this name and adds it if it is missing. Returns false when there are too many.
-  [[nodiscard]] bool find_or_add(std::string_view name, MaterialId& id) {
+  [[nodiscard]] bool find_or_add(std::string_view bytes, MaterialId& id) {
+    const std::string name = readable(bytes);
     const auto found = by_name_.find(name);
     if (found != by_name_.end()) {
       id = found->second;
@@ -67,13 +71,13 @@ class MaterialTable {
     }
     if (soup_.materials.size() == max_materials) return false;
     id = static_cast<MaterialId>(soup_.materials.size());
-    soup_.materials.push_back({.name = std::string(name)});
+    soup_.materials.push_back({.name = name});
     by_name_.emplace(name, id);
     return true;
   }
   // Returns the material of this name, or null.
-  [[nodiscard]] Material* find(std::string_view name) {
-    const auto found = by_name_.find(name);
+  [[nodiscard]] Material* find(std::string_view bytes) {
+    const auto found = by_name_.find(readable(bytes));
     return found == by_name_.end() ? nullptr : &soup_.materials[found->second];
   }
   // Returns the texture with this file and these wrap modes and adds it if it is missing. There are at most as many
@@ -86,6 +90,11 @@ class MaterialTable {
   }
 
  private:
+  // Returns a name as UTF-8; what is not is taken for Latin-1.
+  static std::string readable(std::string_view bytes) {
+    return is_utf8(bytes) ? std::string(bytes) : from_latin1(bytes);
+  }
+
   SoupTables& soup_;
   std::map<std::string, MaterialId, std::less<>> by_name_;
   std::map<std::tuple<std::string, TextureWrap, TextureWrap>, TextureId> textures_;

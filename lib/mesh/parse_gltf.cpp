@@ -141,7 +141,7 @@ void GltfMaterials::add(const tinygltf::Material& material) {
   lookups_.push_back(lookup_of(look.baseColorTexture));
   for (const int other : {look.metallicRoughnessTexture.index, material.normalTexture.index,
                           material.occlusionTexture.index, material.emissiveTexture.index})
-    soup_.left_out.materials += other >= 0;
+    soup_.left_out.add("textures beside the base colour", other >= 0);
 }
 
 TextureId GltfMaterials::texture(int index) {
@@ -255,7 +255,7 @@ class GltfReader {
       if (static_cast<std::size_t>(node.mesh) >= model_.meshes.size())
         errors_.fail(fmt::format("node {}", index), fmt::format("refers to mesh {}, which is not there", node.mesh),
                      remedy);
-      ++soup_.left_out.groups;
+      soup_.left_out.add("nodes");
       for (const tinygltf::Primitive& primitive : model_.meshes[static_cast<std::size_t>(node.mesh)].primitives)
         add(primitive, to_world);
     }
@@ -291,8 +291,8 @@ class GltfReader {
   void count_left_out(const tinygltf::Primitive& primitive, int set, std::size_t vertices) {
     const std::string used = fmt::format("TEXCOORD_{}", set);
     for (const auto& [name, accessor] : primitive.attributes) {
-      if (name.starts_with("TEXCOORD_") && name != used) soup_.left_out.texture_coordinates += vertices;
-      if (name.starts_with("COLOR_") && name != "COLOR_0") soup_.left_out.colors += vertices;
+      if (name.starts_with("TEXCOORD_") && name != used) soup_.left_out.add(name, vertices);
+      if (name.starts_with("COLOR_") && name != "COLOR_0") soup_.left_out.add(name, vertices);
     }
   }
 

@@ -21,6 +21,7 @@
 #include "mesh/materials.h"
 #include "mesh/mesh_files.h"
 #include "mesh/polygon_soup.h"
+#include "mesh/vertex_colors.h"
 
 namespace occlod {
 namespace {
@@ -130,11 +131,12 @@ void ObjMaterials::read_libraries(const FileErrors& errors) {
   placements_.assign(soup_.materials.size(), {});
   const fs::path folder = fs::path(errors.subject()).parent_path();
   for (const std::string& line : libraries_) {
-    for (const std::string& name : library_names(line, folder))
-      read_library(folder / name, fs::path(name).parent_path());
+    const std::vector<std::string> names = library_names(line, folder);
+    soup_.left_out.add("missing libraries (mtllib)", names.empty() ? 1 : 0);
+    for (const std::string& name : names) read_library(folder / name, fs::path(name).parent_path());
   }
   for (std::size_t m = 0; m < soup_.materials.size(); ++m)
-    soup_.left_out.materials += !is_defined_[m] && !soup_.materials[m].name.empty();
+    soup_.left_out.add("undefined materials (usemtl)", !is_defined_[m] && !soup_.materials[m].name.empty());
 }
 
 // Reads a library. The first definition of a name counts. Names of textures become relative to the folder of the OBJ
@@ -147,13 +149,17 @@ void ObjMaterials::read_library(const fs::path& path, const fs::path& folder) {
   if (bytes > max_library_bytes) errors.fail("", "is too large for a library of materials", "check the mtllib line");
   InputBytes input(path, errors, {});
   std::string converted;
-  for (auto& [material, texture, placement] :
+  for (auto& [material, texture, placement, left_out] :
        parse_mtl(as_utf8(input.window(input.size()), converted, errors), errors)) {
     Material* const used = table_.find(material.name);
-    if (used == nullptr) continue;
-    const auto id = static_cast<std::size_t>(used - soup_.materials.data());
-    if (is_defined_[id]) continue;
+    const std::size_t id = used == nullptr ? 0 : static_cast<std::size_t>(used - soup_.materials.data());
+    if (used == nullptr || is_defined_[id]) {
+      soup_.left_out.add(used == nullptr ? "unused materials (newmtl)" : "materials defined again (newmtl)");
+      continue;
+    }
     is_defined_[id] = true;
+    soup_.left_out.add(left_out);
+    material.name = used->name;  // which is UTF-8
     *used = std::move(material);
     if (texture.file.empty()) continue;
     texture.file = (folder / texture.file).generic_string();
@@ -191,11 +197,11 @@ class ObjParser {
     soup_.check(errors_, 1);
     check_attributes();
     count_unused_attributes();
-    resolve_colors();
+    colors_.resolve(soup_);
     materials_.read_libraries(errors_);
     place_textures(soup_, materials_.placements(), attributes_, errors_);
     if (!attributes_.corners.empty()) split_vertices(soup_, attributes_, errors_);
-    soup_.left_out.groups = objects_.count() + groups_.count();
+    count_left_out();
     return std::move(soup_);
   }
 
@@ -206,15 +212,52 @@ class ObjParser {
   void read_lines() {
     for (; cursor_.find_word(); cursor_.skip_line()) {
       const std::string_view keyword = cursor_.word();
-      if (keyword == "v") read_vertex();
-      if (keyword == "vn") read_normal();
-      if (keyword == "f") read_face();
-      if (keyword == "vt") read_texture_coordinate();
-      if (keyword == "usemtl") use_material();
-      if (keyword == "mtllib") materials_.add_library(cursor_.rest_of_line());
-      if (keyword == "o") objects_.add(cursor_.rest_of_line());
-      if (keyword == "g") groups_.add(cursor_.rest_of_line());
+      if (keyword == "v")
+        read_vertex();
+      else if (keyword == "vn")
+        read_normal();
+      else if (keyword == "vt")
+        read_texture_coordinate();
+      else if (keyword == "f" || keyword == "fo")  // fo: as version 2.11 wrote faces
+        read_face();
+      else if (keyword == "usemtl")
+        use_material();
+      else if (keyword == "mtllib")
+        materials_.add_library(cursor_.rest_of_line());
+      else if (keyword == "o")
+        objects_.add(cursor_.rest_of_line());
+      else if (keyword == "g")
+        groups_.add(cursor_.rest_of_line());
+      else
+        count_line(keyword);
     }
+  }
+
+  void count_line(std::string_view keyword) {
+    if (keyword == "l") {
+      ++lines_;
+    } else if (keyword == "p") {
+      ++points_;
+    } else if (keyword == "s") {
+      const std::string_view group = cursor_.rest_of_line();
+      if (group != "off" && group != "0") smoothing_groups_.add(group);
+    } else {
+      soup_.left_out.add("keyword " + std::string(keyword));
+    }
+  }
+
+  void count_left_out() {
+    LeftOut& left_out = soup_.left_out;
+    left_out.add("objects (o)", objects_.count());
+    left_out.add("groups (g)", groups_.count());
+    left_out.add("smoothing groups (s)", smoothing_groups_.count());
+    left_out.add("lines (l)", lines_);
+    left_out.add("points (p)", points_);
+    left_out.add("weights of vertices (v)", weights_);
+    left_out.add("third texture coordinates (vt)", third_coordinates_);
+    left_out.add("values at the ends of lines", more_values_);
+    left_out.add("texture indices without vt", corners_without_texture_);
+    left_out.add("normal indices without vn", corners_without_normal_);
   }
 
   void use_material() {
@@ -222,7 +265,7 @@ class ObjParser {
       soup_.polygon_materials.resize(soup_.polygon_count(), MaterialId{0});
   }
 
-  // Reads "x y z", "x y z w" (w is a weight for curves) or "x y z r g b"; the rest of the line is ignored.
+  // Reads "x y z", "x y z w" (w is a weight for curves) or "x y z r g b [a]".
   void read_vertex() {
     const std::uint64_t line = cursor_.line();
     const double x = cursor_.number("x of a vertex");
@@ -230,16 +273,24 @@ class ObjParser {
     const double z = cursor_.number("z of a vertex");
     if (!cursor_.at_line_end()) read_vertex_extras();
     soup_.add_vertex(x, y, z, line);
-    if (!raw_colors_.empty()) raw_colors_.resize(soup_.positions.size(), no_color);
   }
 
   void read_vertex_extras() {
     const double first = cursor_.number("the fourth number of a vertex");
-    if (cursor_.at_line_end()) return;
+    if (cursor_.at_line_end()) {
+      weights_ += first == 1.0 ? 0U : 1U;
+      return;
+    }
     const double second = cursor_.number("the fifth number of a vertex");
     const double third = cursor_.number("the sixth number of a vertex");
-    raw_colors_.resize(soup_.positions.size(), no_color);
-    raw_colors_.emplace_back(to_float(first), to_float(second), to_float(third));
+    glm::vec4 color(to_float(first), to_float(second), to_float(third), VertexColors<Storage>::no_alpha);
+    if (!cursor_.at_line_end()) color.a = to_float(cursor_.number("the seventh number of a vertex"));
+    colors_.add(soup_.positions.size(), color);
+    count_more_values();
+  }
+
+  void count_more_values() {
+    if (!cursor_.at_line_end()) more_values_ += cursor_.words_left();
   }
 
   void read_normal() {
@@ -247,13 +298,17 @@ class ObjParser {
     const float y = to_float(cursor_.number("y of a normal"));
     const float z = to_float(cursor_.number("z of a normal"));
     attributes_.normals.emplace_back(x, y, z);
+    count_more_values();
   }
 
-  // Reads "u [v [w]]".
+  // Reads "u [v [w]]"; programs for surfaces write w = 0.
   void read_texture_coordinate() {
     const float u = to_float(cursor_.number("u of a texture coordinate"));
     const float v = cursor_.at_line_end() ? 0.0F : to_float(cursor_.number("v of a texture coordinate"));
     attributes_.texture_coordinates.emplace_back(u, v);
+    if (cursor_.at_line_end()) return;
+    third_coordinates_ += cursor_.number("w of a texture coordinate") == 0.0 ? 0U : 1U;
+    count_more_values();
   }
 
   void read_face() {
@@ -273,26 +328,37 @@ class ObjParser {
     if (materials_.any()) soup_.polygon_materials.push_back(materials_.current());
   }
 
-  // Reads "v", "v/vt", "v//vn" or "v/vt/vn".
+  // Reads "v", "v/vt", "v//vn" or "v/vt/vn"; what is missing after a slash is absent, as in "v/" and "v/vt/".
   ObjCorner parse_corner(std::string_view text) {
     const char* at = text.data();
     const char* const end = at + text.size();
     ObjCorner corner{parse_index(at, end, soup_.positions.size(), text), {}};
-    if (at == end) return corner;
-    if (!skip_slash(at, end)) bad_corner(text);
-    if (*at != '/') corner.attributes.texture = parse_index(at, end, attributes_.texture_coordinates.size(), text);
-    if (at == end) return corner;
-    if (!skip_slash(at, end)) bad_corner(text);
-    corner.attributes.normal = parse_index(at, end, attributes_.normals.size(), text);
+    if (skip_slash(at, end, text))
+      corner.attributes.texture =
+          parse_attribute(at, end, attributes_.texture_coordinates.size(), text, corners_without_texture_);
+    if (skip_slash(at, end, text))
+      corner.attributes.normal = parse_attribute(at, end, attributes_.normals.size(), text, corners_without_normal_);
     if (at != end) bad_corner(text);
     return corner;
   }
 
-  // Skips a slash if something follows it.
-  static bool skip_slash(const char*& at, const char* end) {
-    if (*at != '/' || end - at < 2) return false;
+  // Skips a slash; returns false at the end.
+  bool skip_slash(const char*& at, const char* end, std::string_view text) const {
+    if (at == end) return false;
+    if (*at != '/') bad_corner(text);
     ++at;
     return true;
+  }
+
+  // Reads an index of an attribute, unless it is missing. Indices that count back from the end of a list that is empty
+  // name nothing, and are counted.
+  std::uint32_t parse_attribute(const char*& at, const char* end, std::size_t count, std::string_view text,
+                                std::uint64_t& without) {
+    if (at == end || *at == '/') return no_id;
+    if (count > 0 || *at != '-') return parse_index(at, end, count, text);
+    static_cast<void>(parse_integer(at, end, text));
+    ++without;
+    return no_id;
   }
 
   VertexId parse_index(const char*& at, const char* end, std::size_t count, std::string_view text) {
@@ -319,9 +385,25 @@ class ObjParser {
                  "correct the line or export the mesh again");
   }
 
-  void check_attributes() const {
+  // Some programs write indices of attributes that they do not write: those of a list that the file lacks are dropped.
+  void check_attributes() {
+    if (attributes_.texture_coordinates.empty())
+      corners_without_texture_ += drop_indices(largest_texture_, &AttributeCorner::texture);
+    if (attributes_.normals.empty()) corners_without_normal_ += drop_indices(largest_normal_, &AttributeCorner::normal);
     check_index(largest_texture_, attributes_.texture_coordinates.size(), "texture coordinate");
     check_index(largest_normal_, attributes_.normals.size(), "normal");
+  }
+
+  // Returns the number of corners that had one.
+  std::uint64_t drop_indices(LargestIndex& largest, std::uint32_t AttributeCorner::*index) {
+    if (largest.end == 0) return 0;
+    largest = {};
+    std::uint64_t dropped = 0;
+    for (AttributeCorner& corner : attributes_.corners) {
+      dropped += corner.*index == no_id ? 0U : 1U;
+      corner.*index = no_id;
+    }
+    return dropped;
   }
 
   void check_index(const LargestIndex& largest, std::size_t count, const char* what) const {
@@ -331,9 +413,9 @@ class ObjParser {
   }
 
   void count_unused_attributes() {
-    soup_.left_out.texture_coordinates =
-        count_unused(attributes_.texture_coordinates.size(), &AttributeCorner::texture);
-    soup_.left_out.normals = count_unused(attributes_.normals.size(), &AttributeCorner::normal);
+    soup_.left_out.add("unused texture coordinates (vt)",
+                       count_unused(attributes_.texture_coordinates.size(), &AttributeCorner::texture));
+    soup_.left_out.add("unused normals (vn)", count_unused(attributes_.normals.size(), &AttributeCorner::normal));
   }
 
   std::uint64_t count_unused(std::size_t count, std::uint32_t AttributeCorner::*index) const {
@@ -344,23 +426,6 @@ class ObjParser {
     return static_cast<std::uint64_t>(std::ranges::count(used, false));
   }
 
-  // Scales colours: components go up to 1, or up to 255 when any is larger than 1.
-  void resolve_colors() {
-    if (raw_colors_.empty()) return;
-    float largest = 0.0f;
-    for (const glm::vec3& c : raw_colors_) largest = std::max({largest, c.x, c.y, c.z});
-    const double scale = largest > 1.0f ? 1.0 / 255.0 : 1.0;
-    soup_.colors.reserve(raw_colors_.size());
-    for (const glm::vec3& c : raw_colors_) {
-      const bool given = c != no_color;
-      const auto component = [&](float value) { return given ? color_component(scale * value) : std::uint8_t{255}; };
-      soup_.colors.emplace_back(component(c.x), component(c.y), component(c.z), std::uint8_t{255});
-    }
-  }
-
-  static constexpr glm::vec3 no_color{-1.0f};  // marks vertices without a colour in a file that has colours; they
-                                               // become white
-
   TextChunks chunks_;
   TextCursor cursor_;
   const FileErrors& errors_;
@@ -369,8 +434,12 @@ class ObjParser {
   std::size_t corner_count_ = 0;
   LargestIndex largest_texture_, largest_normal_;
   ObjMaterials materials_;
-  Array<glm::vec3> raw_colors_;
-  DistinctNames objects_, groups_;
+  VertexColors<Storage> colors_;
+  DistinctNames objects_, groups_, smoothing_groups_;
+  // Counts of what is left out: lines, and numbers or corners on lines.
+  std::uint64_t lines_ = 0, points_ = 0;
+  std::uint64_t weights_ = 0, third_coordinates_ = 0, more_values_ = 0;
+  std::uint64_t corners_without_texture_ = 0, corners_without_normal_ = 0;
 };
 
 }  // namespace

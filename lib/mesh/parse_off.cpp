@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "mesh/polygon_soup.h"
+#include "mesh/vertex_colors.h"
 
 namespace occlod {
 namespace {
@@ -20,7 +21,7 @@ struct OffFormat {
 
 class OffParser {
  public:
-  OffParser(std::string_view bytes, const FileErrors& errors) : cursor_(bytes, errors, {.hash_comments = true}) {}
+  OffParser(std::string_view bytes, const FileErrors& errors) : bytes_(bytes), cursor_(bytes, errors, syntax) {}
 
   PolygonSoup parse() && {
     read_keyword();
@@ -32,29 +33,37 @@ class OffParser {
     cursor_.skip_line();
     soup_.positions.reserve(vertices);
     for (std::uint64_t i = 0; i < vertices; ++i) read_vertex(i, vertices);
-    if (format_.texture) soup_.left_out.texture_coordinates = vertices;
     for (std::uint64_t i = 0; i < faces; ++i) read_face(i, faces);
     soup_.check(cursor_.errors());
+    colors_.resolve(soup_);
+    count_left_out();
     return std::move(soup_);
   }
 
  private:
-  // Reads the keyword, which may be missing; the counts may follow it on the same line.
+  // Reads the keyword, which may be missing; the counts may follow it on the same line, and in many files of ModelNet
+  // without a blank ("OFF8 6 0").
   void read_keyword() {
     find_line("the header");
     TextCursor ahead = cursor_;
     const std::string_view keyword = ahead.word();
     if (keyword.find_first_not_of("0123456789") == std::string_view::npos) return;
-    cursor_ = ahead;
     std::string_view rest = keyword;
     format_.texture = take_prefix(rest, "ST");
     format_.color = take_prefix(rest, "C");
     format_.normal = take_prefix(rest, "N");
-    if (rest != "OFF") {
+    const bool is_known = take_prefix(rest, "OFF") || take_prefix(rest, "off");
+    if (!is_known || rest.find_first_not_of("0123456789") != std::string_view::npos) {
       cursor_.fail(
           fmt::format("the header {} is not OFF, NOFF, COFF, CNOFF or one of these with ST", in_quotes(keyword)),
           "export the mesh as OFF with three coordinates a vertex");
     }
+    if (!rest.empty()) {
+      const auto place = static_cast<std::size_t>(rest.data() - bytes_.data());
+      cursor_ = TextCursor(bytes_.substr(place), cursor_.errors(), syntax, ahead.line());
+      return;
+    }
+    cursor_ = ahead;
     if (ahead.word() == "BINARY") cursor_.fail("binary OFF is not read", "export the mesh as text or as PLY");
   }
 
@@ -95,7 +104,11 @@ class OffParser {
     const double z = cursor_.number("z of a vertex");
     soup_.add_vertex(x, y, z, cursor_.line());
     if (format_.normal) read_normal();
-    if (format_.color) read_color();
+    if (i == 0 && !format_.normal && !format_.texture)
+      has_undeclared_color_ = !format_.color && cursor_.words_left() == 4;
+    if (format_.color || (has_undeclared_color_ && cursor_.words_left() == 4)) read_color(i);
+    if (format_.texture) read_texture_coordinate();
+    if (!cursor_.at_line_end()) values_after_vertices_ += cursor_.words_left();
     cursor_.skip_line();
   }
 
@@ -106,22 +119,20 @@ class OffParser {
     soup_.normals.emplace_back(x, y, z);
   }
 
-  // Reads a colour of three or four components, integers up to 255 or fractions up to 1; only their number tells
-  // whether there is alpha.
-  void read_color() {
-    int words = 0;
-    bool fractional = false;
-    for (TextCursor ahead = cursor_; !ahead.at_line_end(); ++words) {
-      fractional |= ahead.word().find_first_of(".eE") != std::string_view::npos;
-    }
-    const int components = words - (format_.texture ? 2 : 0);
-    if (components < 3)
+  // Reads a colour of three or four components; only their number tells whether there is alpha.
+  void read_color(std::size_t vertex) {
+    const std::size_t words = cursor_.words_left(), fewest = format_.texture ? 5 : 3;
+    if (words < fewest)
       cursor_.fail("a vertex of a COFF file needs three or four colour numbers", "export the mesh again");
-    glm::u8vec4 color(255);
-    for (int i = 0; i < std::min(components, 4); ++i) {
-      color[i] = color_component(cursor_.number("a colour") / (fractional ? 1.0 : 255.0));
-    }
-    soup_.colors.push_back(color);
+    glm::vec4 color(0.0F, 0.0F, 0.0F, VertexColors<InMemory>::no_alpha);
+    for (int i = 0; i < (words == fewest ? 3 : 4); ++i) color[i] = to_float(cursor_.number("a colour"));
+    colors_.add(vertex, color);
+  }
+
+  void read_texture_coordinate() {
+    const float s = to_float(cursor_.number("s of a texture coordinate"));
+    const float t = to_float(cursor_.number("t of a texture coordinate"));
+    soup_.texture_coordinates.emplace_back(s, t);
   }
 
   // Reads a face; a colour after its corners is only counted.
@@ -135,13 +146,28 @@ class OffParser {
       }
       soup_.add_corner(static_cast<VertexId>(vertex));
     }
-    if (!cursor_.at_line_end()) ++soup_.left_out.colors;
+    face_colors_ += cursor_.at_line_end() ? 0U : 1U;
     soup_.end_polygon(cursor_.line());
     cursor_.skip_line();
   }
 
+  void count_left_out() {
+    std::uint64_t lines = 0;
+    for (; cursor_.find_word(); cursor_.skip_line()) ++lines;
+    soup_.left_out.add("face colours", face_colors_);
+    soup_.left_out.add("values at the ends of vertex lines", values_after_vertices_);
+    soup_.left_out.add("lines after the last face", lines);
+  }
+
+  static constexpr TextCursor::Syntax syntax{.hash_comments = true};
+
+  std::string_view bytes_;
   TextCursor cursor_;
   OffFormat format_;
+  bool has_undeclared_color_ =
+      false;  // red, green, blue and alpha on the first vertex line, which the header does not name
+  VertexColors<InMemory> colors_;
+  std::uint64_t face_colors_ = 0, values_after_vertices_ = 0;
   PolygonSoup soup_;
 };
 

@@ -13,6 +13,7 @@
 #include "mesh/materials.h"
 #include "mesh/ply_file.h"
 #include "mesh/polygon_soup.h"
+#include "mesh/vertex_colors.h"
 
 namespace occlod {
 namespace {
@@ -28,37 +29,42 @@ enum Slot : std::size_t {
   no_slot = slot_count
 };
 
-// Names of texture coordinates in files of different programs.
-constexpr std::array<std::array<std::string_view, 2>, 5> texture_names{
-    {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}, {"s0", "t0"}}};
+// Names that programs give to properties which are used together, in lower case. The first of each kind of which a file
+// has all is used.
+struct Names {
+  Slot first;
+  std::array<std::string_view, 3> names;  // as many as are not empty
+};
+constexpr std::array<Names, 15> known_names{{
+    {slot_x, {"x", "y", "z"}},
+    {slot_normal, {"nx", "ny", "nz"}},
+    {slot_normal, {"normal_x", "normal_y", "normal_z"}},
+    {slot_red, {"red", "green", "blue"}},
+    {slot_red, {"r", "g", "b"}},
+    {slot_red, {"diffuse_red", "diffuse_green", "diffuse_blue"}},
+    {slot_alpha, {"alpha"}},
+    {slot_alpha, {"a"}},
+    {slot_alpha, {"diffuse_alpha"}},
+    {slot_texture, {"u", "v"}},
+    {slot_texture, {"s", "t"}},
+    {slot_texture, {"texture_u", "texture_v"}},
+    {slot_texture, {"texture_s", "texture_t"}},
+    {slot_texture, {"s0", "t0"}},
+    {slot_texture, {"tx", "ty"}},
+}};
 
-Slot slot_of(std::string_view name) {
-  constexpr std::array<std::string_view, slot_texture> names{"x",  "y",   "z",     "nx",   "ny",
-                                                             "nz", "red", "green", "blue", "alpha"};
-  constexpr std::array<std::string_view, 4> short_colors{"r", "g", "b", "a"};
-  const auto place = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
-  const auto color = static_cast<std::size_t>(std::ranges::find(short_colors, name) - short_colors.begin());
-  if (color < short_colors.size()) return static_cast<Slot>(slot_red + color);
-  return place < names.size() ? static_cast<Slot>(place) : no_slot;
-}
-
-// Returns the factor that scales a colour of this type to [0, 1].
-double color_scale(PlyType type) {
-  if (!is_integer(type)) return 1.0;
-  return type == PlyType::uint16 ? 1.0 / 65535.0 : 1.0 / 255.0;
-}
+// Returns the factor that scales a colour of an integer type to [0, 1].
+double color_scale(PlyType type) { return type == PlyType::uint16 ? 1.0 / 65535.0 : 1.0 / 255.0; }
 
 struct VertexLayout {
-  explicit VertexLayout(const PlyElement& element) {
-    color_scales.fill(1.0);
-    for (const PlyProperty& property : element.properties) {
-      const Slot slot = property.count_type ? no_slot : slot_of(property.name);
-      slots.push_back(slot);
-      if (slot == no_slot) continue;
-      present[slot] = true;
-      if (slot >= slot_red) color_scales[slot - slot_red] = color_scale(property.type);
+  explicit VertexLayout(const PlyElement& element) : slots(element.properties.size(), no_slot) {
+    for (const Names& names : known_names) use(names, element);
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      const PlyType type = element.properties[i].type;
+      if (slots[i] < slot_red || slots[i] > slot_alpha) continue;
+      has_integer_colors |= is_integer(type) && slots[i] != slot_alpha;
+      if (is_integer(type)) color_scales[static_cast<int>(slots[i] - slot_red)] = color_scale(type);
     }
-    find_texture_coordinates(element);
   }
   // True when x, y and z come first, as float32, and no other property is used.
   [[nodiscard]] bool is_float_xyz(const PlyElement& element) const {
@@ -68,32 +74,49 @@ struct VertexLayout {
     return std::all_of(slots.begin() + 3, slots.end(), [](Slot slot) { return slot == no_slot; }) &&
            std::ranges::none_of(element.properties, [](const PlyProperty& p) { return p.count_type.has_value(); });
   }
-  [[nodiscard]] bool has(std::size_t first, std::size_t count) const {
-    return std::all_of(present.begin() + static_cast<std::ptrdiff_t>(first),
-                       present.begin() + static_cast<std::ptrdiff_t>(first + count), [](bool p) { return p; });
-  }
-
-  // Uses the first pair of names of which the element has both.
-  void find_texture_coordinates(const PlyElement& element) {
-    const auto place_of = [&](std::string_view name) {
-      const auto found = std::ranges::find_if(element.properties,
-                                              [&](const PlyProperty& p) { return p.name == name && !p.count_type; });
-      return static_cast<std::size_t>(found - element.properties.begin());
-    };
-    for (const auto& [u, v] : texture_names) {
-      const std::size_t u_place = place_of(u), v_place = place_of(v);
-      if (std::max(u_place, v_place) >= slots.size()) continue;
-      slots[u_place] = slot_texture;
-      slots[v_place] = static_cast<Slot>(slot_texture + 1);
-      present[slot_texture] = present[slot_texture + 1] = true;
-      return;
-    }
-  }
+  [[nodiscard]] bool has(std::size_t slot) const { return present[slot]; }
 
   std::vector<Slot> slots;  // one for each property
   std::array<bool, slot_count> present{};
-  std::array<double, 4> color_scales;
+  bool has_integer_colors = false;  // but for alpha
+  glm::dvec4 color_scales{1.0};     // of components of integer types
+
+ private:
+  void use(const Names& names, const PlyElement& element) {
+    if (present[names.first] || (names.first == slot_alpha && !present[slot_red])) return;
+    std::vector<std::size_t> places;
+    for (const std::string_view name : names.names) {
+      if (name.empty()) break;
+      const auto found = std::ranges::find_if(
+          element.properties, [&](const PlyProperty& p) { return !p.count_type && equal_ignoring_case(p.name, name); });
+      if (found == element.properties.end()) return;
+      places.push_back(static_cast<std::size_t>(found - element.properties.begin()));
+    }
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      slots[places[i]] = static_cast<Slot>(names.first + i);
+      present[names.first + i] = true;
+    }
+  }
 };
+
+// Returns the place of the list of corners: the one with a usual name or, without one, the only list of integers.
+// Returns the number of properties when there is none.
+std::size_t corner_list_of(const PlyElement& element) {
+  std::size_t found = element.properties.size(), integer_lists = 0;
+  for (const std::string_view name : {"vertex_indices", "vertex_index"}) {
+    for (std::size_t i = 0; i < element.properties.size(); ++i) {
+      const PlyProperty& property = element.properties[i];
+      if (property.count_type && property.name == name) return i;
+    }
+  }
+  for (std::size_t i = 0; i < element.properties.size(); ++i) {
+    const PlyProperty& property = element.properties[i];
+    if (!property.count_type || !is_integer(property.type)) continue;
+    ++integer_lists;
+    found = i;
+  }
+  return integer_lists == 1 ? found : element.properties.size();
+}
 
 template <class Values, class Storage>
 class BodyParser {
@@ -106,7 +129,6 @@ class BodyParser {
     add_materials(header);
     for (const PlyElement& element : header.elements) {
       values_.begin_element(element);
-      count_left_out(element);
       if (element.name == "vertex")
         read_vertices(element);
       else if (element.name == "face")
@@ -117,9 +139,14 @@ class BodyParser {
         skip_element(element);
     }
     soup_.check(errors_);
+    soup_.left_out.add("obj_info lines", header.info_lines);
+    const auto [what, rest] = values_.rest();
+    soup_.left_out.add(what, rest);
+    colors_.resolve(soup_);
+    soup_.left_out.add(clamped_colors, clamped_colors_);
     if (!soup_.polygon_materials.empty()) soup_.polygon_materials.resize(soup_.polygon_count(), MaterialId{0});
     if (!attributes_.corners.empty()) {
-      soup_.left_out.texture_coordinates += soup_.texture_coordinates.size();
+      soup_.left_out.add("texture coordinates of vertices", soup_.texture_coordinates.size());
       split_vertices(soup_, attributes_, errors_);
     }
     return std::move(soup_);
@@ -140,14 +167,17 @@ class BodyParser {
 
   void read_vertices(const PlyElement& element) {
     const VertexLayout layout(element);
-    if (!layout.has(slot_x, 3)) errors_.fail("header", "vertices lack x, y or z", "export the mesh with coordinates");
-    const bool normals = layout.has(slot_normal, 3);
-    const bool colors = layout.has(slot_red, 3);
-    const bool texture = layout.has(slot_texture, 2);
+    if (!layout.has(slot_x)) errors_.fail("header", "vertices lack x, y or z", "export the mesh with coordinates");
+    const bool normals = layout.has(slot_normal);
+    const bool colors = layout.has(slot_red);
+    const bool texture = layout.has(slot_texture);
+    count_properties(element, [&](std::size_t i) { return layout.slots[i] != no_slot; });
     soup_.positions.reserve(element.count);
     std::array<double, slot_count + 1> value{};  // the last entry takes unused properties
-    value[slot_alpha] = 1.0;                     // opaque where there is no alpha
+    // Opaque where there is no alpha.
+    value[slot_alpha] = layout.has_integer_colors ? 1.0 : double{VertexColors<Storage>::no_alpha};
     const bool is_float_xyz = layout.is_float_xyz(element);
+    std::uint64_t more = 0;
     for (std::uint64_t i = 0; i < element.count; ++i) {
       if constexpr (is_binary) {
         if (is_float_xyz) i += values_.take_float_vertices(element.count - i, record_bytes(element), soup_);
@@ -162,11 +192,12 @@ class BodyParser {
       }
       soup_.add_vertex(value[0], value[1], value[2], values_.line());
       if (normals) soup_.normals.emplace_back(to_float(value[3]), to_float(value[4]), to_float(value[5]));
-      if (colors) soup_.colors.push_back(color(&value[slot_red], layout));
+      if (colors) add_color({value[slot_red], value[slot_red + 1], value[slot_red + 2], value[slot_alpha]}, layout);
       if (texture)
         soup_.texture_coordinates.emplace_back(to_float(value[slot_texture]), to_float(value[slot_texture + 1]));
-      values_.end_record();
+      more += values_.end_record();
     }
+    count_more(element, more);
   }
 
   static std::size_t record_bytes(const PlyElement& element) {
@@ -175,33 +206,44 @@ class BodyParser {
     return bytes;
   }
 
-  static glm::u8vec4 color(const double* rgba, const VertexLayout& layout) {
-    glm::u8vec4 result;
-    for (int i = 0; i < 4; ++i) result[i] = color_component(rgba[i] * layout.color_scales[static_cast<std::size_t>(i)]);
-    return result;
+  // Integer types say themselves what components go up to.
+  void add_color(const glm::dvec4& rgba, const VertexLayout& layout) {
+    if (layout.has_integer_colors)
+      soup_.colors.push_back(to_color(rgba * layout.color_scales, clamped_colors_));
+    else
+      colors_.add(soup_.positions.size() - 1, glm::vec4(rgba.r, rgba.g, rgba.b, rgba.a * layout.color_scales.a));
   }
 
-  // Counts what is left out according to the header: normals and colours of faces, and materials.
-  void count_left_out(const PlyElement& element) {
-    LeftOut& left_out = soup_.left_out;
-    const VertexLayout layout(element);
-    if (element.name == "face" && layout.has(slot_normal, 3)) left_out.normals += element.count;
-    if (element.name == "face" && layout.has(slot_red, 3)) left_out.colors += element.count;
-    if (element.name == "material") left_out.materials += element.count;
+  // Counts the properties of an element of which is_used(place) is false.
+  template <class IsUsed>
+  void count_properties(const PlyElement& element, const IsUsed& is_used) {
+    for (std::size_t i = 0; i < element.properties.size(); ++i) {
+      if (!is_used(i))
+        soup_.left_out.add(fmt::format("property {} of {}", element.properties[i].name, element.name), element.count);
+    }
   }
 
-  static bool is_corner_list(const PlyProperty& p) {
-    return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
+  void count_more(const PlyElement& element, std::uint64_t values) {
+    soup_.left_out.add(fmt::format("values at the ends of {} lines", element.name), values);
   }
 
-  void expect_corner_lists(const PlyElement& element, const char* what) const {
-    if (element.count == 0 || std::ranges::any_of(element.properties, is_corner_list)) return;
+  std::size_t expect_corner_list(const PlyElement& element, const char* what) const {
+    const std::size_t place = corner_list_of(element);
+    if (element.count == 0 || place < element.properties.size()) return place;
     errors_.fail("header", fmt::format("{} have no list 'vertex_indices'", what), "export the mesh with its faces");
   }
 
   void read_faces(const PlyElement& element) {
-    expect_corner_lists(element, "faces");
+    const std::size_t corner_list = expect_corner_list(element, "faces");
+    std::size_t texcoord = element.properties.size(), texnumber = texcoord;  // places
+    for (std::size_t i = 0; i < element.properties.size(); ++i) {
+      const PlyProperty& property = element.properties[i];
+      if (property.count_type && property.name == "texcoord" && i != corner_list) texcoord = i;
+      if (!property.count_type && property.name == "texnumber" && texture_count_ > 0) texnumber = i;
+    }
+    count_properties(element, [&](std::size_t i) { return i == corner_list || i == texcoord || i == texnumber; });
     const bool has_short_lists = has_short_lists_only(element);
+    std::uint64_t more = 0;
     if constexpr (is_binary) {
       if (has_short_lists) soup_.reserve_polygons(std::min(element.count, values_.bytes_left() / ply_triangle_bytes));
     }
@@ -214,12 +256,13 @@ class BodyParser {
       coordinates_.clear();
       double texture = 0.0;
       const std::size_t first_corner = corner_count_;
-      for (const PlyProperty& property : element.properties) {
-        if (is_corner_list(property))
+      for (std::size_t p = 0; p < element.properties.size(); ++p) {
+        const PlyProperty& property = element.properties[p];
+        if (p == corner_list)
           read_corners(property);
-        else if (property.count_type && property.name == "texcoord")
+        else if (p == texcoord)
           read_texture_coordinates(property);
-        else if (!property.count_type && property.name == "texnumber")
+        else if (p == texnumber)
           texture = values_.next(property.type);
         else
           skip(property);
@@ -227,8 +270,9 @@ class BodyParser {
       soup_.end_polygon(values_.line());
       add_texture_coordinates(first_corner);
       if (texture_count_ > 0) set_texture(texture);
-      values_.end_record();
+      more += values_.end_record();
     }
+    count_more(element, more);
   }
 
   void read_texture_coordinates(const PlyProperty& property) {
@@ -291,17 +335,20 @@ class BodyParser {
   }
 
   void read_strips(const PlyElement& element) {
-    expect_corner_lists(element, "triangle strips");
+    const std::size_t corner_list = expect_corner_list(element, "triangle strips");
+    count_properties(element, [&](std::size_t i) { return i == corner_list; });
+    std::uint64_t more = 0;
     for (std::uint64_t i = 0; i < element.count; ++i) {
       values_.begin_record(i);
-      for (const PlyProperty& property : element.properties) {
-        if (is_corner_list(property))
-          read_strip(property);
+      for (std::size_t p = 0; p < element.properties.size(); ++p) {
+        if (p == corner_list)
+          read_strip(element.properties[p]);
         else
-          skip(property);
+          skip(element.properties[p]);
       }
-      values_.end_record();
+      more += values_.end_record();
     }
+    count_more(element, more);
   }
 
   // Reads triangle strips one after the other, each but the last ended by -1. Every second triangle of a strip is
@@ -360,11 +407,12 @@ class BodyParser {
   }
 
   void skip_element(const PlyElement& element) {
+    soup_.left_out.add("element " + element.name, element.count);
     if (element.properties.empty()) return;
     for (std::uint64_t i = 0; i < element.count; ++i) {
       values_.begin_record(i);
       for (const PlyProperty& property : element.properties) skip(property);
-      values_.end_record();
+      static_cast<void>(values_.end_record());
     }
   }
 
@@ -391,6 +439,8 @@ class BodyParser {
   std::size_t corner_count_ = 0;    // corners of the polygons so far, if faces may have texture coordinates
   std::vector<float> coordinates_;  // of the current face
   CornerAttributes<Storage> attributes_;
+  VertexColors<Storage> colors_;      // of floating-point types
+  std::uint64_t clamped_colors_ = 0;  // of integer types
   BasicPolygonSoup<Storage> soup_;
 };
 

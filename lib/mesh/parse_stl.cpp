@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cctype>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -18,11 +17,6 @@ namespace {
 constexpr std::size_t stl_header_size = 80;
 constexpr std::size_t stl_prefix_size = stl_header_size + 4;  // the header and the number of facets
 constexpr std::size_t stl_facet_size = 50;                    // normal, three corners, two bytes of attributes
-
-bool equal_ignoring_case(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
-}
 
 class AsciiStlParser {
  public:
@@ -38,14 +32,15 @@ class AsciiStlParser {
       cursor_.skip_line();
     }
     soup_.check(cursor_.errors());
-    soup_.left_out.groups = solids_.count();
+    soup_.left_out.add("facet normals", facets_);
+    soup_.left_out.add("solids", solids_.count());
     return std::move(soup_);
   }
 
  private:
   void read_facet() {
     cursor_.skip_line();  // the normal
-    ++soup_.left_out.normals;
+    ++facets_;
     const std::uint64_t line = cursor_.line();
     expect("outer");
     expect("loop");
@@ -86,44 +81,83 @@ class AsciiStlParser {
   TextCursor cursor_;
   PolygonSoup soup_;
   DistinctNames solids_;
+  std::uint64_t facets_ = 0;
 };
 
-PolygonSoup parse_binary(std::string_view bytes, std::size_t facets, const FileErrors& errors) {
-  PolygonSoup soup;
-  if (3 * facets >= max_vertices) errors.fail("", "has too many facets", "split the mesh into parts");
-  soup.positions.reserve(3 * facets);
-  for (std::size_t facet = 0; facet < facets; ++facet) {
-    const char* at = bytes.data() + stl_prefix_size + facet * stl_facet_size + 3 * sizeof(float);
-    for (int corner = 0; corner < 3; ++corner, at += 3 * sizeof(float)) {
-      soup.add_corner(static_cast<VertexId>(soup.positions.size()));
-      soup.add_vertex(load<float>(at, std::endian::little), load<float>(at + 4, std::endian::little),
-                      load<float>(at + 8, std::endian::little), 0);
-    }
-    soup.end_polygon(0);
-    if (load<std::uint16_t>(at, std::endian::little) != 0) ++soup.left_out.colors;
-  }
-  soup.left_out.normals = facets;
-  soup.check(errors);
-  return soup;
-}
+// One or more binary files, one after the other.
+class BinaryStlParser {
+ public:
+  BinaryStlParser(std::string_view bytes, const FileErrors& errors) : bytes_(bytes), errors_(errors) {}
 
-bool begins_with_solid(std::string_view bytes) {
-  const std::size_t first = std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size());
-  return equal_ignoring_case(bytes.substr(first, 5), "solid");
-}
+  // Reads the facets that the header counts, then those of files that follow as a whole. What remains is counted.
+  PolygonSoup parse() && {
+    const bool is_whole = (bytes_.size() - stl_prefix_size) % stl_facet_size == 0;
+    // Programs that write to a pipe cannot go back to fill in the number, and leave 0.
+    const std::size_t first = facets_at(bytes_) == 0 && is_whole ? room(bytes_) : facets_at(bytes_);
+    soup_.positions.reserve(3 * first);
+    read_file(first);
+    while (const std::size_t facets = facets_at(bytes_)) {
+      if (facets > room(bytes_)) break;
+      read_file(facets);
+    }
+    soup_.left_out.add("facet normals", soup_.polygon_count());
+    soup_.left_out.add("facets with attribute bytes", attributes_);
+    soup_.left_out.add("bytes after the last facet", bytes_.size());
+    soup_.check(errors_);
+    return std::move(soup_);
+  }
+
+  // Returns the number of facets that the header promises, 0 where there is no header.
+  static std::size_t facets_at(std::string_view bytes) {
+    return bytes.size() < stl_prefix_size ? 0
+                                          : load<std::uint32_t>(bytes.data() + stl_header_size, std::endian::little);
+  }
+  static std::size_t room(std::string_view bytes) { return (bytes.size() - stl_prefix_size) / stl_facet_size; }
+
+ private:
+  void read_file(std::size_t facets) {
+    if (soup_.positions.size() + 3 * facets >= max_vertices)
+      errors_.fail("", "has too many facets", "split the mesh into parts");
+    // As Materialise Magics writes the colour and the material of all facets.
+    for (const std::string_view key : {"COLOR=", "MATERIAL="}) {
+      if (bytes_.substr(0, stl_header_size).find(key) != std::string_view::npos)
+        soup_.left_out.add(std::string(key) + " of the header");
+    }
+    bytes_.remove_prefix(stl_prefix_size);
+    for (std::size_t facet = 0; facet < facets; ++facet) read_facet(bytes_.data() + facet * stl_facet_size);
+    bytes_.remove_prefix(facets * stl_facet_size);
+  }
+
+  void read_facet(const char* at) {
+    at += 3 * sizeof(float);  // the normal
+    for (int corner = 0; corner < 3; ++corner, at += 3 * sizeof(float)) {
+      soup_.add_corner(static_cast<VertexId>(soup_.positions.size()));
+      soup_.add_vertex(load<float>(at, std::endian::little), load<float>(at + 4, std::endian::little),
+                       load<float>(at + 8, std::endian::little), 0);
+    }
+    soup_.end_polygon(0);
+    attributes_ += load<std::uint16_t>(at, std::endian::little) != 0;
+  }
+
+  std::string_view bytes_;  // not read yet
+  const FileErrors& errors_;
+  PolygonSoup soup_;
+  std::uint64_t attributes_ = 0;  // facets with attribute bytes, which programs use as they like, often for colours
+};
 
 }  // namespace
 
-// Recognises binary files by their size, because many binary files begin with "solid" as well.
+// Many binary files begin with "solid" as well. They are told from texts by their number of facets, for which they have
+// room: as a number, any four characters of a text ask for gigabytes.
 PolygonSoup parse_stl(std::string_view bytes, const FileErrors& errors) {
   std::string converted;
   if (bytes.size() < stl_prefix_size) return AsciiStlParser(as_utf8(bytes, converted, errors), errors).parse();
-  const std::size_t facets = load<std::uint32_t>(bytes.data() + stl_header_size, std::endian::little);
-  const std::size_t room = (bytes.size() - stl_prefix_size) / stl_facet_size;
-  if (bytes.size() == stl_prefix_size + facets * stl_facet_size) return parse_binary(bytes, facets, errors);
+  const std::size_t facets = BinaryStlParser::facets_at(bytes), room = BinaryStlParser::room(bytes);
+  const bool is_exact = bytes.size() == stl_prefix_size + facets * stl_facet_size;
+  if (is_exact || (facets <= room && !is_wide_text(bytes))) return BinaryStlParser(bytes, errors).parse();
   const std::string_view text = as_utf8(bytes, converted, errors);
-  if (begins_with_solid(text)) return AsciiStlParser(text, errors).parse();
-  if (facets <= room) return parse_binary(bytes, facets, errors);
+  const bool has_zeros = text.substr(0, 2 * stl_prefix_size).find('\0') != std::string_view::npos;
+  if (!has_zeros) return AsciiStlParser(text, errors).parse();
   errors.fail("byte 80", fmt::format("promises {} facets, but the file has room for {}", facets, room),
               "the file is cut short or no STL; export the mesh again");
 }

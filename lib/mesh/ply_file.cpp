@@ -16,7 +16,7 @@ struct TypeName {
   PlyType type;
 };
 
-constexpr std::array<TypeName, 16> type_names{{{"char", PlyType::int8},
+constexpr std::array<TypeName, 18> type_names{{{"char", PlyType::int8},
                                                {"int8", PlyType::int8},
                                                {"uchar", PlyType::uint8},
                                                {"uint8", PlyType::uint8},
@@ -28,6 +28,8 @@ constexpr std::array<TypeName, 16> type_names{{{"char", PlyType::int8},
                                                {"int32", PlyType::int32},
                                                {"uint", PlyType::uint32},
                                                {"uint32", PlyType::uint32},
+                                               {"int64", PlyType::int64},
+                                               {"uint64", PlyType::uint64},
                                                {"float", PlyType::float32},
                                                {"float32", PlyType::float32},
                                                {"double", PlyType::float64},
@@ -52,7 +54,9 @@ class HeaderParser {
         read_property();
       else if (keyword == "comment")
         read_comment();
-      else if (keyword != "obj_info") {
+      else if (keyword == "obj_info")
+        ++header_.info_lines;
+      else {
         cursor_.fail(fmt::format("the header line begins with {}", in_quotes(keyword)), "export the mesh again");
       }
       cursor_.skip_line();
@@ -113,7 +117,7 @@ class HeaderParser {
       type = cursor_.word();
     }
     property.type = parse_type(type);
-    property.name = cursor_.word();
+    property.name = cursor_.rest_of_line();  // names of scalar fields may have blanks
     if (property.name.empty()) cursor_.fail("a property has no name", "export the mesh again");
     const auto same_name = [&](const PlyProperty& other) { return other.name == property.name; };
     if (std::ranges::any_of(properties, same_name)) {
@@ -154,7 +158,7 @@ class HeaderParser {
 }  // namespace
 
 std::size_t size_of(PlyType type) noexcept {
-  constexpr std::array<std::size_t, 8> sizes{1, 1, 2, 2, 4, 4, 4, 8};
+  constexpr std::array<std::size_t, 10> sizes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
   return sizes[static_cast<std::size_t>(type)];
 }
 

@@ -19,7 +19,7 @@
 
 namespace occlod {
 
-enum class PlyType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+enum class PlyType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
 
 [[nodiscard]] std::size_t size_of(PlyType type) noexcept;
 [[nodiscard]] constexpr bool is_integer(PlyType type) noexcept { return type < PlyType::float32; }
@@ -42,14 +42,15 @@ struct PlyHeader {
   std::size_t body_offset = 0;  // in bytes
   std::uint64_t body_line = 1;
   std::vector<std::string> texture_files;  // from comments "TextureFile NAME"
+  std::uint64_t info_lines = 0;            // obj_info
 };
 
 // Parses a header. Throws Error for anything that is not a PLY header, or that promises more elements than the file has
 // room for. `bytes` is the beginning of a file of `file_bytes` bytes, up to the end of its header or beyond.
 [[nodiscard]] PlyHeader parse_ply_header(std::string_view bytes, std::uint64_t file_bytes, const FileErrors& errors);
 
-// The classes below read the values of a body as doubles, which hold every PLY type exactly. A record is one instance
-// of an element.
+// The classes below read the values of a body as doubles, which hold every PLY type exactly but 64-bit integers beyond
+// 2^53, which no index or count reaches. A record is one instance of an element.
 
 inline constexpr const char* ply_cut_short = "the file is cut short or its header is wrong; export the mesh again";
 
@@ -70,9 +71,20 @@ class AsciiValues {
     }
   }
   [[nodiscard]] double next(PlyType) { return cursor_.number(what_.c_str()); }
-  void end_record() {
-    if (!cursor_.at_line_end()) fail("the line has more values than the header names", "export the mesh again");
+  // Returns the number of values on the line that the header does not name.
+  [[nodiscard]] std::uint64_t end_record() {
+    const std::uint64_t more = cursor_.at_line_end() ? 0 : cursor_.words_left();
     cursor_.skip_line();
+    return more;
+  }
+  // Skips what follows the body and says what it is.
+  [[nodiscard]] std::pair<std::string_view, std::uint64_t> rest() {
+    std::uint64_t lines = 0;
+    while (cursor_.find_word() || chunks_.next(cursor_)) {
+      if (cursor_.find_word()) ++lines;
+      cursor_.skip_line();
+    }
+    return {"lines after the last element", lines};
   }
 
   [[nodiscard]] std::uint64_t line() const { return cursor_.line(); }
@@ -116,6 +128,10 @@ class BinaryValues {
         return load<std::int32_t>(value, order_);
       case PlyType::uint32:
         return load<std::uint32_t>(value, order_);
+      case PlyType::int64:
+        return static_cast<double>(load<std::int64_t>(value, order_));
+      case PlyType::uint64:
+        return static_cast<double>(load<std::uint64_t>(value, order_));
       case PlyType::float32:
         return load<float>(value, order_);
       case PlyType::float64:
@@ -123,7 +139,10 @@ class BinaryValues {
     }
     return 0.0;
   }
-  void end_record() {}
+  [[nodiscard]] static std::uint64_t end_record() { return 0; }
+  [[nodiscard]] std::pair<std::string_view, std::uint64_t> rest() const {
+    return {"bytes after the last element", bytes_left()};
+  }
 
   // Takes up to `most` vertices whose records begin with x, y and z as float32; returns how many. Vertices at the end
   // of the window are left to next().

@@ -38,35 +38,6 @@ class DistinctNames {
   std::unordered_set<std::string, Hash, std::equal_to<>> names_;
 };
 
-// Cuts polygons into triangles. Keeps its scratch memory from polygon to polygon. `positions` outlives it.
-class Triangulator {
- public:
-  explicit Triangulator(std::span<const glm::vec3> positions) : positions_(positions) {}
-
-  // Appends corners.size() - 2 triangles with the polygon's winding: a fan if it is strictly convex, otherwise ears
-  // clipped in the plane of its area vector (Newell). A polygon that crosses itself or lies on a line becomes a fan.
-  // There must be at least three corners, with finite positions. Returns false, with nothing appended, when clipping
-  // takes more than 2^28 steps, which 16,384 corners can need.
-  template <class Triangles>  // a vector or a LargeVector
-  [[nodiscard]] bool append(std::span<const VertexId> corners, Triangles& triangles);
-
- private:
-  [[nodiscard]] bool project(std::span<const VertexId> corners);
-  [[nodiscard]] bool is_strictly_convex() const;
-  enum class Clipping { done, crosses_itself, takes_too_long };
-  template <class Triangles>
-  [[nodiscard]] Clipping clip_ears(std::span<const VertexId> corners, Triangles& triangles);
-  [[nodiscard]] bool is_ear(std::size_t tip, bool allow_flat);
-  void unlink(std::size_t corner);
-  [[nodiscard]] double turn_at(std::size_t corner) const;
-
-  std::span<const glm::vec3> positions_;
-  std::vector<glm::dvec2> points_;  // the polygon in its plane, counter-clockwise
-  std::vector<std::size_t> next_;   // next remaining corner of each corner
-  std::vector<std::size_t> previous_;
-  std::size_t steps_ = 0;  // corners looked at while clipping the current polygon
-};
-
 // The fields of a soup that do not depend on where its arrays are stored.
 struct SoupTables {
   std::vector<Material> materials;

@@ -5,6 +5,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <memory>
 #include <new>
@@ -15,6 +16,7 @@
 #include <utility>
 
 #include "base/atomic_file.h"
+#include "base/text.h"
 #include "occlod/base.h"
 
 namespace occlod::olod {
@@ -81,13 +83,51 @@ bool unpack(std::span<const std::byte> packed, std::size_t element_bytes, std::s
 namespace occlod::sections {
 namespace {
 
-// The counts of a MeshReport without left_out, which is a section of its own that exists only when one of its numbers
-// is not 0.
-using StoredReport = std::array<std::uint64_t, 16>;
-static_assert(offsetof(MeshReport, left_out) == sizeof(StoredReport));
-static_assert(sizeof(MeshReport) == sizeof(StoredReport) + sizeof(LeftOut) && sizeof(LeftOut) == 40);
+// The counts of a MeshReport in the order of the file, without left_out, which has a section of its own.
+constexpr std::array report_fields = {&MeshReport::vertices_read,
+                                      &MeshReport::polygons_read,
+                                      &MeshReport::polygons_triangulated,
+                                      &MeshReport::triangles_read,
+                                      &MeshReport::vertices_welded,
+                                      &MeshReport::seam_vertices,
+                                      &MeshReport::unreferenced_vertices,
+                                      &MeshReport::nonfinite_vertices,
+                                      &MeshReport::repeated_index_triangles,
+                                      &MeshReport::zero_area_triangles,
+                                      &MeshReport::repeated_triangles,
+                                      &MeshReport::boundary_edges,
+                                      &MeshReport::nonmanifold_edges,
+                                      &MeshReport::inconsistent_edges,
+                                      &MeshReport::nonmanifold_vertices,
+                                      &MeshReport::components};
+using StoredReport = std::array<std::uint64_t, report_fields.size()>;
 
-constexpr std::string_view report_name = "REPO", left_out_name = "LEFT";
+// Of the names of what was left out there are as many as files have; older programs wrote five fixed counts.
+constexpr std::string_view report_name = "REPO", left_out_name = "LEFN", fixed_left_out_name = "LEFT";
+constexpr std::array<std::string_view, 5> fixed_names{"texture coordinates", "normals", "colours", "materials",
+                                                      "groups"};
+
+// Writes a line "count name" for each entry.
+std::string text_of(const LeftOut& counts) {
+  std::string text;
+  for (const LeftOut::Entry& entry : counts.entries()) text += fmt::format("{} {}\n", entry.count, entry.name);
+  return text;
+}
+
+// Reads lines as far as they are well-formed.
+LeftOut left_out_of(std::string_view text) {
+  LeftOut counts;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    const char* const end = line.data() + line.size();
+    std::uint64_t count = 0;
+    const auto [after, problem] = std::from_chars(line.data(), end, count);
+    if (problem != std::errc{} || after == end) return counts;
+    counts.add({after + 1, end}, count);
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+  }
+  return counts;
+}
 
 std::uint64_t align_up(std::uint64_t offset) { return (offset + alignment - 1) / alignment * alignment; }
 
@@ -120,13 +160,16 @@ void SectionWriter::add_bytes(std::string_view name, std::span<const std::byte> 
 }
 
 void SectionWriter::add_report(const MeshReport& report) {
-  const auto add_copy = [&](std::string_view name, const void* value, std::size_t bytes) {
-    std::vector<std::byte>& copy = own_.emplace_back(bytes);
-    std::memcpy(copy.data(), value, bytes);
-    add_bytes(name, copy, static_cast<std::uint32_t>(bytes), Check::whole, Codec::stored);
+  const auto add_copy = [&](std::string_view name, std::span<const std::byte> bytes, std::size_t element_bytes) {
+    const std::vector<std::byte>& copy = own_.emplace_back(bytes.begin(), bytes.end());
+    add_bytes(name, copy, static_cast<std::uint32_t>(element_bytes), Check::whole, Codec::stored);
   };
-  add_copy(report_name, &report, sizeof(StoredReport));
-  if (report.left_out != LeftOut{}) add_copy(left_out_name, &report.left_out, sizeof(LeftOut));
+  StoredReport counts{};
+  std::ranges::transform(report_fields, counts.begin(), [&](auto field) { return report.*field; });
+  add_copy(report_name, std::as_bytes(std::span(counts)), sizeof(counts));
+  if (report.left_out.empty()) return;
+  const std::string text = text_of(report.left_out);
+  add_copy(left_out_name, std::as_bytes(std::span(text)), 1);
 }
 
 void SectionWriter::write(const std::filesystem::path& path, const FileKind& kind) {
@@ -266,9 +309,18 @@ std::span<const std::byte> SectionReader::unpacked(const Section& section) {
 
 MeshReport SectionReader::read_report() {
   MeshReport report;
-  const auto stored_report = read_one<StoredReport>(report_name, "report");
-  std::memcpy(static_cast<void*>(&report), stored_report.data(), sizeof(StoredReport));  // all fields but left_out
-  if (has(left_out_name)) report.left_out = read_one<LeftOut>(left_out_name, "count of what was left out");
+  const auto counts = read_one<StoredReport>(report_name, "report");
+  for (std::size_t i = 0; i < counts.size(); ++i) report.*report_fields[i] = counts[i];
+  if (has(fixed_left_out_name)) {
+    const auto fixed = read_one<std::array<std::uint64_t, fixed_names.size()>>(fixed_left_out_name, "count");
+    for (std::size_t i = 0; i < fixed.size(); ++i) report.left_out.add(fixed_names[i], fixed[i]);
+  }
+  if (has(left_out_name)) {
+    const std::span<const char> bytes = read<char>(left_out_name);
+    const std::string_view text(bytes.data(), bytes.size());
+    report.left_out = left_out_of(text);
+    if (text_of(report.left_out) != text) refuse("", "does not list what was left out of its mesh as it should");
+  }
   return report;
 }
 
@@ -286,11 +338,20 @@ TextureWrap wrap_of(const Json& name) {
 }
 
 Json to_json(const Texture& texture) {
-  return {{"file", texture.file},
-          {"mime_type", texture.mime_type},
-          {"bytes", texture.bytes.size()},
-          {"wrap_s", wrap_names[static_cast<std::size_t>(texture.wrap_s)]},
-          {"wrap_t", wrap_names[static_cast<std::size_t>(texture.wrap_t)]}};
+  Json json = {{"file", texture.file},
+               {"mime_type", texture.mime_type},
+               {"bytes", texture.bytes.size()},
+               {"wrap_s", wrap_names[static_cast<std::size_t>(texture.wrap_s)]},
+               {"wrap_t", wrap_names[static_cast<std::size_t>(texture.wrap_t)]}};
+  // Bytes that are not UTF-8 are kept, so that the file is found, as if they were Latin-1.
+  if (!is_utf8(texture.file)) json["file_latin1"] = from_latin1(texture.file);
+  return json;
+}
+
+std::string file_of(const Json& texture) {
+  if (!texture.contains("file_latin1")) return texture.at("file").get<std::string>();
+  if (std::optional<std::string> file = to_latin1(texture["file_latin1"].get<std::string>())) return std::move(*file);
+  throw Json::other_error::create(501, "not Latin-1", &texture);
 }
 
 Json to_json(const Material& material) {
@@ -320,7 +381,7 @@ std::optional<Materials> unpack(std::string_view text, std::span<const std::uint
     for (const Json& texture : json.at("textures")) {
       const auto size = texture.at("bytes").get<std::size_t>();
       if (size > images.size()) return std::nullopt;
-      result.textures.push_back({texture.at("file").get<std::string>(),
+      result.textures.push_back({file_of(texture),
                                  texture.at("mime_type").get<std::string>(),
                                  {images.begin(), images.begin() + static_cast<std::ptrdiff_t>(size)},
                                  wrap_of(texture.at("wrap_s")),

@@ -111,6 +111,7 @@ StreamedMesh::StreamedMesh(const std::filesystem::path& path, const std::functio
   soup_ = parse(path, errors, progress);
   MeshReport report;
   triangles_ = soup_.take_triangles(report, errors);
+  left_out_ = std::move(report.left_out);
   is_used_.resize(soup_.positions.size());
   for_each_index(triangles_.size(), [&](std::size_t t) {
     for (int k = 0; k < 3; ++k) is_used_[triangles_[t][k]] = true;
@@ -169,7 +170,9 @@ void StreamedMesh::drop_repeated_corners(const FileErrors& errors) {
 void StreamedMesh::repair_texture_coordinates() {
   for_each_index(soup_.texture_coordinates.size(), [&](std::size_t v) {
     glm::vec2& at = soup_.texture_coordinates[v];
-    if (!std::isfinite(at.x) || !std::isfinite(at.y)) at = glm::vec2(0.0F);
+    if (std::isfinite(at.x) && std::isfinite(at.y)) return;
+    at = glm::vec2(0.0F);
+    left_out_.add(not_finite_coordinates, is_used_[v] ? 1 : 0);
   });
 }
 

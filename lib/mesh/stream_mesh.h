@@ -60,6 +60,8 @@ class StreamedMesh {
   // Gives all triangles with three different corners in the order of the file, in pieces of at most `most` triangles.
   // Vertices with equal positions are not welded yet. Each piece has all materials and textures.
   void visit(std::size_t most, const std::function<void(const TriangleMesh& piece)>& take) const;
+  // Returns the counts that read_mesh() reports.
+  [[nodiscard]] const LeftOut& left_out() const { return left_out_; }
 
  private:
   void check_distances(const FileErrors& errors) const;
@@ -70,6 +72,7 @@ class StreamedMesh {
 
   ScratchSoup soup_;  // without its polygons
   LargeVector<Triangle> triangles_;
+  LeftOut left_out_;
   LargeVector<bool> is_used_;  // by vertex; true when a triangle of the file uses it
 };
 

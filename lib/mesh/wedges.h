@@ -4,11 +4,15 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <string_view>
 #include <vector>
 
 #include "occlod/mesh.h"
 
 namespace occlod {
+
+// Names in LeftOut the texture coordinates that become (0, 0).
+inline constexpr std::string_view not_finite_coordinates = "texture coordinates that are not finite";
 
 // Scales a normal to unit length. Returns false for one that is zero or not finite. One that has unit length up to
 // rounding keeps its bits, so that repeating the call changes nothing.

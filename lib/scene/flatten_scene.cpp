@@ -230,14 +230,6 @@ class MeshReader {
   std::map<std::string, CleanMesh> read_;  // by name
 };
 
-void add(LeftOut& sum, const LeftOut& more) {
-  sum.texture_coordinates += more.texture_coordinates;
-  sum.normals += more.normals;
-  sum.colors += more.colors;
-  sum.materials += more.materials;
-  sum.groups += more.groups;
-}
-
 // Excludes HLODs and hierarchies, which are not mesh files.
 bool is_streamable_file(const std::string& name) {
   return !is_olod_file(name) && !is_ohlod_file(name) && is_streamable(name);
@@ -273,7 +265,8 @@ class SceneStreamer {
         continue;
       }
       streamed_.reset();
-      const TriangleMesh& mesh = reader_.read_alone(i).mesh;
+      const auto& [mesh, report] = reader_.read_alone(i);
+      sink_.add_left_out(report.left_out);
       const MaterialId first = materials_.first_of(mesh, name);
       PieceCutter cutter(arrays_of(mesh));
       for (std::size_t begin = 0; begin < mesh.triangle_count(); begin += piece_triangles)
@@ -292,6 +285,7 @@ class SceneStreamer {
       });
       streamed_name_ = name;
     }
+    sink_.add_left_out(streamed_->left_out());
     streamed_->visit(piece_triangles,
                      [&](const TriangleMesh& piece) { add(piece, object, materials_.first_of(piece, name)); });
   }
@@ -330,7 +324,7 @@ CleanMesh flatten_scene(const SceneDescription& scene, const std::filesystem::pa
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const CleanMesh& object = reader.read(i);
     joiner.add(object.mesh, scene.objects[i].object_to_world, reader.name(i));
-    add(left_out, object.report.left_out);
+    left_out.add(object.report.left_out);
   }
   CleanMesh result = clean(joiner.finish(), MeshReport{}, scene.name);
   result.report.left_out = left_out;

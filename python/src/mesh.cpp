@@ -91,13 +91,12 @@ auto writable_or_none(std::vector<Element> TriangleMesh::*member) {
   };
 }
 
+// Bytes that are not UTF-8, which a file may have in its names, are replaced.
+nb::str to_text(const std::string& bytes) {
+  return nb::steal<nb::str>(PyUnicode_DecodeUTF8(bytes.data(), static_cast<Py_ssize_t>(bytes.size()), "replace"));
+}
+
 void bind_report(nb::module_& m) {
-  nb::class_<LeftOut>(m, "LeftOut", "What a file holds and a Mesh does not: counts.")
-      .def_ro("texture_coordinates", &LeftOut::texture_coordinates)
-      .def_ro("normals", &LeftOut::normals, "Of faces; those of vertices are kept.")
-      .def_ro("colors", &LeftOut::colors, "Of faces; those of vertices are kept.")
-      .def_ro("materials", &LeftOut::materials)
-      .def_ro("groups", &LeftOut::groups);
   nb::class_<MeshReport>(m, "MeshReport",
                          "Counts over one mesh: of the file as it was read, of what cleaning changed, and of the\n"
                          "topology of the welded mesh.")
@@ -121,7 +120,14 @@ void bind_report(nb::module_& m) {
       .def_ro("nonmanifold_vertices", &MeshReport::nonmanifold_vertices,
               "Vertices whose triangles form more than one fan.")
       .def_ro("components", &MeshReport::components, "Connected through shared vertices.")
-      .def_ro("left_out", &MeshReport::left_out, "In the file and not in the mesh.");
+      .def_prop_ro(
+          "left_out",
+          [](const MeshReport& report) {
+            nb::typed<nb::dict, nb::str, nb::int_> counts;
+            for (const LeftOut::Entry& entry : report.left_out.entries()) counts[to_text(entry.name)] = entry.count;
+            return counts;
+          },
+          "What the file holds and the mesh does not: counts by name, as in {'lines (l)': 12}.");
 }
 
 TriangleMesh generate_by_keywords(const std::string& generator, const nb::kwargs& given) {

@@ -123,7 +123,7 @@ void page(const hlod::Hlod& hlod, const hlod::Hlod* whole) {
 
 #ifdef OCCLOD_FUZZ_PART
 fuzz::SectionMutator::Part part_of(std::string_view name) {
-  if (name == "header") return {true, {"INFO", "LATT", "REPO", "LEFT", "MATE", "TEXI"}};
+  if (name == "header") return {true, {"INFO", "LATT", "REPO", "LEFT", "LEFN", "MATE", "TEXI"}};
   if (name == "nodes") return {false, {"NODE", "PTCH", "CHIL", "ROOT", "LEVL", "WNOD", "PMPL", "PSPP"}};
   return {false, {"MESH", "WSPL", "PMSH", "PSPL"}};
 }

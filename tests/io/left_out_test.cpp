@@ -1,22 +1,34 @@
 // What a file holds beside its surface is counted, and the counts travel with the hierarchy.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <ostream>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/mesh_files.h"
+#include "mesh/section_file.h"
 #include "occlod/build_hierarchy.h"
 #include "support/test_meshes.h"
 
 namespace occlod {
 
 std::ostream& operator<<(std::ostream& stream, const LeftOut& counts) {
-  return stream << counts.texture_coordinates << " texture coordinates, " << counts.normals << " normals, "
-                << counts.colors << " colors, " << counts.materials << " materials, " << counts.groups << " groups";
+  for (const LeftOut::Entry& entry : counts.entries()) stream << entry.count << " " << entry.name << ", ";
+  return stream;
 }
 
 namespace {
+
+LeftOut named(const std::vector<LeftOut::Entry>& entries) {
+  LeftOut counts;
+  for (const LeftOut::Entry& entry : entries) counts.add(entry.name, entry.count);
+  return counts;
+}
 
 class LeftOutTest : public testing::Test {
  protected:
@@ -35,8 +47,13 @@ TEST_F(LeftOutTest, OfObj) {
       "mtllib m.mtl\no x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvt 1 1 0\n"
       "vn 1 0 0\nvn 0 0 1\nvn 0 1 0\ng x\nusemtl a\ns 1\nf 1/1/2 2/2/3 3/3/2\ng y\nusemtl b c\nusemtl b\t\n"
       "usemtl a\ng x\ng\nf 2 4 3\n";
-  EXPECT_EQ(counts("a.obj", text),
-            (LeftOut{.texture_coordinates = 1, .normals = 1, .colors = 0, .materials = 3, .groups = 3}));
+  EXPECT_EQ(counts("a.obj", text), named({{"unused texture coordinates (vt)", 1},
+                                          {"unused normals (vn)", 1},
+                                          {"undefined materials (usemtl)", 3},
+                                          {"objects (o)", 1},
+                                          {"groups (g)", 2},
+                                          {"smoothing groups (s)", 1},
+                                          {"missing libraries (mtllib)", 1}}));
 }
 
 // What vertices keep is not left out.
@@ -58,43 +75,48 @@ TEST_F(LeftOutTest, OfPly) {
   const std::string color = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   const std::string normal = "property float nx\nproperty float ny\nproperty float nz\n";
   // Three elements `material` in each; textures are kept.
-  EXPECT_EQ(counts("a.ply", text(color + normal, "", " 1 2 3 0 0 1", "")), (LeftOut{.materials = 3}));
-  EXPECT_EQ(counts("a.ply", text("", color + normal, "", " 1 2 3 0 0 1")),
-            (LeftOut{.normals = 1, .colors = 1, .materials = 3}));
+  EXPECT_EQ(counts("a.ply", text(color + normal, "", " 1 2 3 0 0 1", "")), named({{"element material", 3}}));
+  EXPECT_EQ(counts("a.ply", text("", color + normal, "", " 1 2 3 0 0 1")), named({{"property red of face", 1},
+                                                                                  {"property green of face", 1},
+                                                                                  {"property blue of face", 1},
+                                                                                  {"property nx of face", 1},
+                                                                                  {"property ny of face", 1},
+                                                                                  {"property nz of face", 1},
+                                                                                  {"element material", 3}}));
   for (const auto& [u, v] : {std::pair("u", "v"), std::pair("s", "t"), std::pair("texture_u", "texture_v")}) {
     const std::string pair = std::string("property float ") + u + "\nproperty float " + v + "\n";
-    EXPECT_EQ(counts("a.ply", text(pair, "", " 0 1", "")), (LeftOut{.materials = 3}));
+    EXPECT_EQ(counts("a.ply", text(pair, "", " 0 1", "")), named({{"element material", 3}}));
     // The faces' own coordinates come first.
     EXPECT_EQ(counts("a.ply", text(pair, "property list uchar float texcoord\n", " 0 1", " 6 0 0 1 0 0 1")),
-              (LeftOut{.texture_coordinates = 3, .materials = 3}));
+              named({{"texture coordinates of vertices", 3}, {"element material", 3}}));
   }
-  EXPECT_EQ(counts("a.ply", text("property float u\n", "", " 0", "")), (LeftOut{.materials = 3}));
+  EXPECT_EQ(counts("a.ply", text("property float u\n", "", " 0", "")),
+            named({{"property u of vertex", 3}, {"element material", 3}}));
   // As MeshLab writes wedges: three pairs, and the number of the texture.
   EXPECT_EQ(
       counts("a.ply", text("", "property list uchar float texcoord\nproperty int texnumber\n", "", " 6 0 0 1 0 0 1 0")),
-      (LeftOut{.materials = 3}));
+      named({{"element material", 3}}));
 }
 
 TEST_F(LeftOutTest, OfOff) {
-  EXPECT_EQ(counts("a.off", "STOFF\n3 1 0\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"),
-            (LeftOut{.texture_coordinates = 3}));
+  EXPECT_EQ(counts("a.off", "STOFF\n3 1 0\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"), LeftOut{});
   EXPECT_EQ(counts("a.off", "OFF\n4 3 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2 1 0 0\n3 1 3 2\n3 0 1 3 7\n"),
-            (LeftOut{.colors = 2}));
+            named({{"face colours", 2}}));
 }
 
 // Two facets; one of the binary file has attribute bytes.
 TEST_F(LeftOutTest, OfStl) {
   const std::string facet =
       "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
-  EXPECT_EQ(counts("a.stl", "solid\n" + facet + facet + "endsolid\n"), (LeftOut{.normals = 2}));
+  EXPECT_EQ(counts("a.stl", "solid\n" + facet + facet + "endsolid\n"), named({{"facet normals", 2}}));
   EXPECT_EQ(
       counts("a.stl", "solid one\n" + facet + "endsolid\nsolid two b\n" + facet + "endsolid\nsolid one\nendsolid\n"),
-      (LeftOut{.normals = 2, .groups = 2}));
+      named({{"facet normals", 2}, {"solids", 2}}));
   test::Bytes bytes(std::string(80, ' '));
   bytes.add(std::uint32_t{2});
   for (const std::uint16_t attribute : {std::uint16_t{0}, std::uint16_t{0x801f}})
     bytes.add_point(0, 0, 1).add_point(0, 0, 0).add_point(1, 0, 0).add_point(0, 1, 0).add(attribute);
-  EXPECT_EQ(counts("a.stl", bytes.str()), (LeftOut{.normals = 2, .colors = 1}));
+  EXPECT_EQ(counts("a.stl", bytes.str()), named({{"facet normals", 2}, {"facets with attribute bytes", 1}}));
 }
 
 // One triangle mesh of two primitives with three vertices each, placed by two nodes, and a third node without a mesh.
@@ -113,31 +135,81 @@ TEST_F(LeftOutTest, OfGltf) {
           "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri":
             "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
   EXPECT_EQ(counts("a.gltf", text),
-            (LeftOut{.texture_coordinates = 6, .normals = 0, .colors = 6, .materials = 2, .groups = 2}));
+            named({{"TEXCOORD_1", 6}, {"COLOR_1", 6}, {"textures beside the base colour", 2}, {"nodes", 2}}));
 }
 
 // What grep counts: different g lines. vt lines that no face names.
 TEST_F(LeftOutTest, OfRealMeshes) {
   OCCLOD_FIND_TEST_MESH_OR_SKIP(sponza, "scenes/sponza.obj");
   const LeftOut counts = read_mesh(sponza).report.left_out;
-  EXPECT_EQ(counts.texture_coordinates, 71396u - 69013u);
-  EXPECT_EQ(counts.groups, 34u);
+  EXPECT_EQ(counts.count("unused texture coordinates (vt)"), 71396u - 69013u);
+  EXPECT_EQ(counts.count("groups (g)"), 34u);
 }
 
 // A hierarchy's file carries the counts; one of which nothing was left out has the bytes that it had before there were
-// any: no section LEFT.
+// any: no section LEFN.
 TEST_F(LeftOutTest, TravelsWithTheHierarchy) {
   const CleanMesh input = folder_.read("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\ng a\ng b\nf 1 2 3\n");
   const std::filesystem::path file = folder_.path() / "a.olod";
   write_olod(file, build_hierarchy(input.mesh), input.report);
-  EXPECT_EQ(read_olod(file).report.left_out, (LeftOut{.texture_coordinates = 1, .groups = 2}));
+  EXPECT_EQ(read_olod(file).report.left_out, named({{"unused texture coordinates (vt)", 1}, {"groups (g)", 2}}));
   EXPECT_EQ(read_olod(file).report.vertices_read, 3u);
-  EXPECT_NE(test::bytes_of(file).find("LEFT"), std::string::npos);
+  EXPECT_NE(test::bytes_of(file).find("LEFN"), std::string::npos);
   MeshReport report = input.report;
   report.left_out = {};
   write_olod(file, build_hierarchy(input.mesh), report);
   EXPECT_EQ(read_olod(file).report.left_out, LeftOut{});
-  EXPECT_EQ(test::bytes_of(file).find("LEFT"), std::string::npos);
+  EXPECT_EQ(test::bytes_of(file).find("LEFN"), std::string::npos);
+}
+
+// Files may name things as they like; reports are bounded and can be printed.
+TEST(LeftOut, BoundsNames) {
+  LeftOut counts;
+  counts.add("none", 0);
+  EXPECT_TRUE(counts.empty());
+  counts.add("a\nb\x7f");
+  EXPECT_EQ(counts.count("a?b?"), 1u);
+  counts.add(std::string(LeftOut::max_name_bytes - 1, 'x') + "\u00e4");  // a character of two bytes is not cut
+  EXPECT_EQ(counts.entries()[1].name, std::string(LeftOut::max_name_bytes - 1, 'x'));
+  for (std::size_t i = 0; i < 2 * LeftOut::max_names; ++i) counts.add("name " + std::to_string(i), 2);
+  EXPECT_EQ(counts.entries().size(), LeftOut::max_names + 1);
+  EXPECT_EQ(counts.count("name 0"), 2u);
+  EXPECT_EQ(counts.count("others"), 2 * (LeftOut::max_names + 2));
+  EXPECT_TRUE(std::ranges::is_sorted(counts.entries(), {}, &LeftOut::Entry::name));
+}
+
+// The section of a damaged file, whose checksum may be right, is read only if it could have been written.
+class LeftOutSection : public testing::Test {
+ protected:
+  template <class T>
+  [[nodiscard]] LeftOut read(std::string_view section, std::span<const T> content) const {
+    const std::filesystem::path file = folder_.path() / "a.sections";
+    sections::SectionWriter writer;
+    writer.add_report({});
+    writer.add(section, content);
+    writer.write(file, kind);
+    return sections::SectionReader(file, kind, false).read_report().left_out;
+  }
+
+  [[nodiscard]] LeftOut read_names(std::string_view text) const { return read("LEFN", std::span(text)); }
+
+  static constexpr sections::FileKind kind{{'a'}, 1, ".a", "", "build it again"};
+  test::TestFolder folder_;
+};
+
+TEST_F(LeftOutSection, IsReadAsItIsWritten) {
+  EXPECT_EQ(read_names("2 a b\n18446744073709551615 c\n"), named({{"a b", 2}, {"c", ~std::uint64_t{0}}}));
+  for (const std::string_view bad : {"2 b\n1 a\n", "0 a\n", "1 a", "1\n", "a\n", "01 a\n", "1 a\n1 a\n", "1 a\x01\n",
+                                     "\n", "1 a\n\n", "-1 a\n", "18446744073709551616 a\n"})
+    EXPECT_THROW(static_cast<void>(read_names(bad)), Error) << bad;
+  EXPECT_THROW(static_cast<void>(read_names("1 " + std::string(LeftOut::max_name_bytes + 1, 'x') + "\n")), Error);
+}
+
+// Older programs wrote five counts.
+TEST_F(LeftOutSection, OfOlderFiles) {
+  const std::array<std::array<std::uint64_t, 5>, 1> counts{{{1, 0, 3, 4, 0}}};
+  EXPECT_EQ(read("LEFT", std::span<const std::array<std::uint64_t, 5>>(counts)),
+            named({{"texture coordinates", 1}, {"colours", 3}, {"materials", 4}}));
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ TEST_F(PlaceTextures, ScalesThenMovesByMaterial) {
   EXPECT_EQ(corners_of(ab.mesh), (std::vector<Corners>{as_it_is, scaled}));
   EXPECT_EQ(ab.mesh.materials.at(0).texture, ab.mesh.materials.at(1).texture) << "one texture, at two places";
   EXPECT_EQ(ab.mesh.textures.size(), 1U);
-  EXPECT_EQ(ab.report.left_out.texture_coordinates, 1U) << "the line of vt that no face uses";
+  EXPECT_EQ(ab.report.left_out.count("unused texture coordinates (vt)"), 1U) << "the line of vt that no face uses";
   // From one material to the other and back; vt lines and libraries may follow, corners may have none.
   const Corners moved{{{8, 16}, {9, 16}, {9, 17}}}, others{{{8, 16}, {9, 17}, {8, 17}}};
   const std::string mixed = std::string("usemtl c\n") + halves[0] + "usemtl a\n" + halves[0] + "usemtl c\n" +
@@ -105,7 +105,8 @@ TEST_F(PlaceTextures, NamesTheLineOfBadNumbers) {
 // As any texture coordinate that is not finite.
 TEST_F(PlaceTextures, CountsWhatLeavesTheRangeOfFloats) {
   const CleanMesh mesh = read("newmtl m\nmap_Kd -s 1e300 1 t.png\n", std::string("usemtl m\n") + halves[0]);
-  EXPECT_EQ(mesh.report.left_out.texture_coordinates, 2U + 1U) << "two corners, and the line that no face uses";
+  EXPECT_EQ(mesh.report.left_out.count("texture coordinates that are not finite"), 2U);
+  EXPECT_EQ(mesh.report.left_out.count("unused texture coordinates (vt)"), 1U);
   EXPECT_EQ(corners_of(mesh.mesh).at(0), (Corners{{{0, 0}, {0, 0}, {0, 0}}}));
 }
 

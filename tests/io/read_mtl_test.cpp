@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "io/mesh_files.h"
+#include "occlod/build_hierarchy.h"
 #include "support/wedges.h"
 
 namespace occlod {
@@ -70,7 +71,57 @@ TEST_F(ReadMtl, ReadsColourOpacityAndTexture) {
   ASSERT_EQ(result.mesh.textures.size(), 1u);
   EXPECT_EQ(result.mesh.textures[0], texture("wood.png"));
   EXPECT_EQ(result.mesh.texture_origin, TextureOrigin::bottom_left);
+  LeftOut left_out;
+  for (const char* const name : {"unused materials (newmtl)", "Ka", "Ks", "illum", "map_Ks"}) left_out.add(name);
+  EXPECT_EQ(result.report.left_out, left_out);
+}
+
+// As several programs write them.
+TEST_F(ReadMtl, KeywordsMayBeInAnyCase) {
+  const CleanMesh result = with_library("NEWMTL m\nkd 1 0 0\nD 0.5\nMAP_KD a.png\n");
+  EXPECT_EQ(result.mesh.materials.at(0).base_color, glm::vec4(1, 0, 0, 0.5F));
+  EXPECT_EQ(result.mesh.textures.at(0).file, "a.png");
   EXPECT_EQ(result.report.left_out, LeftOut{});
+}
+
+TEST_F(ReadMtl, CountsWhatItDoesNotReadByKeyword) {
+  const LeftOut counts = with_library(
+                             "Ns 1\nnewmtl m\nmap_d a.png\nnorm n.png\nmap_Bump -bm 1 b.png\nmap_Pr r.png\n"
+                             "map_Kd -mm 0 1 -clamp on -texres 5 c.png\nKd spectral a.rfl\nd -halo 0.5\nmap_d d.png\n")
+                             .report.left_out;
+  LeftOut expected;
+  for (const char* const name :
+       {"Ns", "map_d", "map_d", "norm", "map_Bump", "map_Pr", "map_Kd -mm", "map_Kd -texres", "Kd spectral", "d -halo"})
+    expected.add(name);
+  EXPECT_EQ(counts, expected);
+}
+
+// Bytes of file names are kept, so that the file is found, through a hierarchy too; names of materials become UTF-8, so
+// that a library in Latin-1 fits an OBJ in UTF-8.
+TEST_F(ReadMtl, NamesMayBeLatin1) {
+  static_cast<void>(folder_.write("a.mtl",
+                                  "newmtl Stra\xdf"
+                                  "e\nmap_Kd Stra\xdf"
+                                  "e.png\n"));
+  for (const char* const name : {"Stra\xdf"
+                                 "e",
+                                 "Stra\u00dfe"}) {
+    const CleanMesh result =
+        read(std::string("mtllib a.mtl\n") + square + "usemtl " + name + "\n" + halves[0] + halves[1]);
+    EXPECT_EQ(result.mesh.materials.at(0).name, "Stra\u00dfe");
+    EXPECT_EQ(result.mesh.textures.at(0).file,
+              "Stra\xdf"
+              "e.png");
+    EXPECT_EQ(result.report.left_out, LeftOut{});
+    write_olod(folder_.path() / "a.olod", build_hierarchy(result.mesh), result.report);
+    EXPECT_EQ(read_olod(folder_.path() / "a.olod").hierarchy.data().textures[0].file,
+              "Stra\xdf"
+              "e.png");
+    write_mesh(folder_.path() / "b.obj", result.mesh);
+    EXPECT_EQ(read_mesh(folder_.path() / "b.obj").mesh.textures.at(0).file,
+              "Stra\xdf"
+              "e.png");
+  }
 }
 
 TEST_F(ReadMtl, TakesEveryFormOfColourAndOpacity) {
@@ -116,13 +167,13 @@ TEST_F(ReadMtl, SharesTextures) {
 TEST_F(ReadMtl, GoesWithoutALibrary) {
   const std::string rest = std::string(square) + "usemtl a\n" + halves[0] + "usemtl b\n" + halves[1];
   const CleanMesh missing = read("mtllib no such.mtl\n" + rest);
-  EXPECT_EQ(missing.report.left_out.materials, 2u);
+  EXPECT_EQ(missing.report.left_out.count("undefined materials (usemtl)"), 2u);
   EXPECT_EQ(missing.mesh.materials.at(1).name, "b");
   static_cast<void>(folder_.write("b.mtl", "newmtl b\nKd 0 0 0\n"));
-  EXPECT_EQ(read("mtllib b.mtl\n" + rest).report.left_out.materials, 1u);
-  EXPECT_EQ(read(rest).report.left_out.materials, 2u);
+  EXPECT_EQ(read("mtllib b.mtl\n" + rest).report.left_out.count("undefined materials (usemtl)"), 1u);
+  EXPECT_EQ(read(rest).report.left_out.count("undefined materials (usemtl)"), 2u);
   static_cast<void>(folder_.write("empty.mtl", ""));
-  EXPECT_EQ(read("mtllib empty.mtl\n" + rest).report.left_out.materials, 2u);
+  EXPECT_EQ(read("mtllib empty.mtl\n" + rest).report.left_out.count("undefined materials (usemtl)"), 2u);
 }
 
 // A name may have blanks and quotes; a line may have several; files are relative to the OBJ file, textures to theirs.

@@ -94,11 +94,11 @@ TEST_F(ReadObj, KeepsTheTextureCoordinateOfEachCorner) {
   // Polygons keep theirs when they are cut. Corners without one have (0, 0).
   const CleanMesh polygon = read(v + vt + "f 1/6 2/2 3/3 4\n");
   EXPECT_EQ(polygon.mesh.texture_coordinates, (std::vector<glm::vec2>{{0.7F, 0.3F}, {0.1F, 0}, {0.1F, 0.1F}, {0, 0}}));
-  EXPECT_EQ(polygon.report.left_out.texture_coordinates, 3u);  // 1, 4 and 5
+  EXPECT_EQ(polygon.report.left_out.count("unused texture coordinates (vt)"), 3u);  // 1, 4 and 5
   // A coordinate that is not finite becomes (0, 0) and counts as left out.
   const CleanMesh nan = read(v + "vt nan 1\nvt 1 1\nf 1/1 2/2 3/2\n");
   EXPECT_EQ(nan.mesh.texture_coordinates, (std::vector<glm::vec2>{{0, 0}, {1, 1}, {1, 1}}));
-  EXPECT_EQ(nan.report.left_out.texture_coordinates, 1u);
+  EXPECT_EQ(nan.report.left_out.count("texture coordinates that are not finite"), 1u);
 }
 
 // Attributes may come after the faces that use them, and before the vertices.
@@ -120,6 +120,41 @@ TEST_F(ReadObj, ReadsAVertexWithManyCoordinates) {
   }
   const CleanMesh result = read(text);
   EXPECT_EQ(result.mesh.extra_wedges, std::vector<VertexId>(static_cast<std::size_t>(n - 1), 0));
+}
+
+// What is missing after a slash is absent.
+TEST_F(ReadObj, SlashesMayHaveNothingBehindThem) {
+  for (const char* face : {"f 1/ 2/ 3/", "f 1// 2// 3//", "fo 1 2// 3/"}) {
+    const CleanMesh result = read(std::string(three_vertices) + face + "\n");
+    EXPECT_EQ(result.mesh.triangles, (std::vector<Triangle>{{0, 1, 2}})) << face;
+    EXPECT_TRUE(result.mesh.normals.empty() && result.mesh.texture_coordinates.empty()) << face;
+    EXPECT_EQ(result.report.left_out, LeftOut{}) << face;
+  }
+  const CleanMesh textured = read(std::string(three_vertices) + "vt 1 2\nf 1/1/ 2/1/ 3/-1/\n");
+  EXPECT_EQ(textured.mesh.texture_coordinates, std::vector<glm::vec2>(3, {1, 2}));
+}
+
+// Indices of normals in a file that has none, and of texture coordinates, cost these and not the mesh.
+TEST_F(ReadObj, IndicesOfAttributesThatTheFileLacksAreCounted) {
+  const CleanMesh normals = read(std::string(three_vertices) + "vt 1 2\nf 1/1/1 2/1/2 3/1/3\nf 1/1/-1 3/1/-2 2/1\n");
+  EXPECT_EQ(normals.mesh.triangle_count(), 2u);
+  EXPECT_EQ(normals.mesh.texture_coordinates, std::vector<glm::vec2>(3, {1, 2}));
+  EXPECT_TRUE(normals.mesh.normals.empty());
+  EXPECT_EQ(normals.report.left_out.count("normal indices without vn"), 5u);
+  const CleanMesh texture = read(std::string(three_vertices) + "vn 0 0 1\nf 1/1/1 2/2/1 3/7/1\n");
+  EXPECT_EQ(texture.mesh.normals, std::vector<glm::vec3>(3, {0, 0, 1}));
+  EXPECT_TRUE(texture.mesh.texture_coordinates.empty());
+  EXPECT_EQ(texture.report.left_out.count("texture indices without vt"), 3u);
+}
+
+// One scale for the whole file, and alpha as some programs add it.
+TEST_F(ReadObj, ScalesColoursByTheWholeFile) {
+  const auto colors = [&](const std::string& a, const std::string& b) {
+    return read("v 0 0 0 " + a + "\nv 1 0 0 " + b + "\nv 0 1 0 " + b + "\nf 1 2 3\n").mesh.colors;
+  };
+  EXPECT_EQ(colors("1.0001 0 0", "0.5 1 1").at(1), glm::u8vec4(128, 255, 255, 255));
+  EXPECT_EQ(colors("200 0 0", "1 1 1").at(1), glm::u8vec4(1, 1, 1, 255));
+  EXPECT_EQ(colors("1 0 0 0.5", "0 1 1").at(0), glm::u8vec4(255, 0, 0, 128));
 }
 
 TEST_F(ReadObj, IgnoresWhatHasNoPartInTheSurface) {
@@ -156,9 +191,10 @@ TEST_F(ReadObj, NamesTheLineOfEveryFault) {
   EXPECT_CONTAINS(complaint("vt 0 x\n"), "line 1: v of a texture coordinate is 'x'");
   EXPECT_CONTAINS(complaint(v + "vt 0 1\nf 1/1 2/1 3/1\nf 1/2 2/1 3/1\nf 1/1 3/1 2/2\n"),
                   "line 6: a face uses texture coordinate 2, but there are 1");
+  EXPECT_CONTAINS(complaint(v + "vn 0 0 1\nf 1//2 2//2 3//2\n"), "line 5: a face uses normal 2, but there are 1");
   EXPECT_CONTAINS(complaint(v + "vt 0 1\nf 1/1 2/-2 3/1\n"), "line 5: the face corner '2/-2' is out of range");
   EXPECT_CONTAINS(complaint(v + "f 1/0 2/1 3/1\n"), "line 4: the face corner '1/0' is out of range");
-  for (const char* corner : {"1/", "1//", "1/2/", "1///1", "1/2/3/4", "x", "1.5", "1/x", "//1", "1//0"}) {
+  for (const char* corner : {"1///1", "1///", "1/2/3/4", "1/2/3/", "/", "x", "1.5", "1/x", "//1", "1//0"}) {
     EXPECT_CONTAINS(complaint(v + "f 2 3 " + corner + "\n"), "line 4: the face corner") << corner;
   }
   EXPECT_CONTAINS(complaint("v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"), "line 2: a coordinate of a vertex is NaN");

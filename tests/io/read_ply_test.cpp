@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "io/mesh_files.h"
@@ -126,6 +127,98 @@ TEST_F(ReadPly, ScalesColoursByTheirType) {
   EXPECT_EQ(first_color("ushort", "65535 257 0"), glm::u8vec4(255, 1, 0, 9));  // 65535 / 255 = 257
 }
 
+// Of floating-point types it is the largest value that tells, for all vertices alike: whole numbers beside fractions,
+// and values a little above 1, are fractions. Alpha up to 1 may stand beside colours up to 255.
+TEST_F(ReadPly, ScalesColoursOfFloatsByTheWholeFile) {
+  const auto read_colors = [&](const std::string& a, const std::string& b) {
+    const std::string colors = "property float red\nproperty float green\nproperty float blue\nproperty float alpha\n";
+    return read(header("ascii", "element vertex 3\n" + xyz + colors + "element face 1\n" + faces) + "0 0 0 " + a +
+                "\n1 0 0 " + b + "\n0 1 0 " + b + "\n3 0 1 2\n");
+  };
+  EXPECT_EQ(read_colors("200 100 50 255", "0 1 0 0").mesh.colors.at(0), glm::u8vec4(200, 100, 50, 255));
+  EXPECT_EQ(read_colors("200 100 50 1", "0 1 0 1").mesh.colors.at(1), glm::u8vec4(0, 1, 0, 255));
+  EXPECT_EQ(read_colors("1 0 0 1", "0.5 0.25 0.75 1").mesh.colors.at(0), glm::u8vec4(255, 0, 0, 255));
+  const CleanMesh above = read_colors("1.002 0 0 1", "0.5 0 1 1");
+  EXPECT_EQ(above.mesh.colors.at(0), glm::u8vec4(255, 0, 0, 255));
+  EXPECT_EQ(above.mesh.colors.at(1), glm::u8vec4(128, 0, 255, 255));
+  EXPECT_EQ(above.report.left_out.count("colours out of range (clamped)"), 1u);
+  EXPECT_EQ(read_colors("1 0 0 1", "0.5 0 1 1").report.left_out.count("colours out of range (clamped)"), 0u);
+}
+
+// As other programs name them.
+TEST_F(ReadPly, ReadsColoursUnderTheirUsualNames) {
+  for (const auto& [red, green, blue] :
+       {std::array{"red", "green", "blue"}, std::array{"r", "g", "b"},
+        std::array{"diffuse_red", "diffuse_green", "diffuse_blue"}, std::array{"Red", "Green", "Blue"}}) {
+    std::string colors;
+    for (const char* const name : {red, green, blue}) colors += std::string("property uchar ") + name + "\n";
+    const CleanMesh result = read(header("ascii", "element vertex 3\n" + xyz + colors + "element face 1\n" + faces) +
+                                  "0 0 0 200 100 50\n1 0 0 200 100 50\n0 1 0 200 100 50\n3 0 1 2\n");
+    EXPECT_EQ(result.mesh.colors, std::vector<glm::u8vec4>(3, {200, 100, 50, 255})) << red;
+  }
+}
+
+// 64-bit integers where indices and other values stand, in both byte orders.
+TEST_F(ReadPly, ReadsLongIntegers) {
+  for (const std::endian order : {std::endian::little, std::endian::big}) {
+    const std::string format = order == std::endian::little ? "binary_little_endian" : "binary_big_endian";
+    test::Bytes bytes(header(format, "element vertex 3\n" + xyz + "property uint64 id\n" +
+                                         "element face 1\nproperty list uchar int64 vertex_indices\n"),
+                      order);
+    for (std::uint64_t v = 0; v < 3; ++v) bytes.add_point(v == 1, v == 2, 0).add(~v);
+    bytes.add(std::uint8_t{3}).add(std::int64_t{2}).add(std::int64_t{0}).add(std::int64_t{1});
+    const CleanMesh result = read(bytes.str());
+    EXPECT_EQ(result.mesh.triangles, (std::vector<Triangle>{{2, 0, 1}}));
+    EXPECT_EQ(result.report.left_out.count("property id of vertex"), 3u);
+  }
+}
+
+// As scalar fields are named, and as MeshLab writes colours of wedges without a line in the header.
+TEST_F(ReadPly, ReadsNamesWithBlanksAndCountsValuesThatTheHeaderDoesNotName) {
+  const CleanMesh result =
+      read(header("ascii", "element vertex 3\n" + xyz +
+                               "property float scalar_C2C distances\nproperty float scalar_C2C signed\n"
+                               "element face 1\n" +
+                               faces) +
+           "0 0 0 1 2\n1 0 0 1 2 7\n0 1 0 1 2\n3 0 1 2 255 0 0\n\n3 0 2 1\n\n");
+  EXPECT_EQ(result.mesh.triangle_count(), 1u);
+  const LeftOut& left_out = result.report.left_out;
+  EXPECT_EQ(left_out.count("property scalar_C2C distances of vertex"), 3u);
+  EXPECT_EQ(left_out.count("property scalar_C2C signed of vertex"), 3u);
+  EXPECT_EQ(left_out.count("values at the ends of vertex lines"), 1u);
+  EXPECT_EQ(left_out.count("values at the ends of face lines"), 3u);
+  EXPECT_EQ(left_out.count("lines after the last element"), 1u);
+}
+
+// The only list of whole numbers can be nothing else. Of two with the usual names the first counts.
+TEST_F(ReadPly, FindsTheListOfCorners) {
+  const auto triangles = [&](const std::string& lists, const std::string& values) {
+    return read(header("ascii", "element vertex 3\n" + xyz + "element face 1\n" + lists) + "0 0 0\n1 0 0\n0 1 0\n" +
+                values + "\n");
+  };
+  EXPECT_EQ(triangles("property list uchar float w\nproperty list uchar int corners\n", "1 9 3 0 1 2").mesh.triangles,
+            (std::vector<Triangle>{{0, 1, 2}}));
+  const CleanMesh two =
+      triangles("property list uchar int vertex_index\nproperty list uchar int vertex_indices\n", "3 0 1 2 3 2 1 0");
+  EXPECT_EQ(two.mesh.triangles, (std::vector<Triangle>{{2, 1, 0}}));
+  EXPECT_EQ(two.report.left_out.count("property vertex_index of face"), 1u);
+  EXPECT_CONTAINS(
+      folder_.complaint("a.ply",
+                        header("ascii", "element vertex 3\n" + xyz +
+                                            "element face 1\nproperty list uchar int a\nproperty list uchar int b\n") +
+                            "0 0 0\n1 0 0\n0 1 0\n1 0 1 0\n"),
+      "no list 'vertex_indices'");
+}
+
+TEST_F(ReadPly, CountsBytesAfterTheLastElement) {
+  test::Bytes bytes(header("binary_little_endian", "element vertex 3\n" + xyz + "element face 1\n" + faces));
+  bytes.add_point(0, 0, 0).add_point(1, 0, 0).add_point(0, 1, 0);
+  bytes.add(std::uint8_t{3}).add(0).add(1).add(2);
+  EXPECT_EQ(read(bytes.str()).report.left_out.count("bytes after the last element"), 0u);
+  bytes.add(std::uint8_t{3}).add(0).add(2).add(1);
+  EXPECT_EQ(read(bytes.str()).report.left_out.count("bytes after the last element"), 13u);
+}
+
 TEST_F(ReadPly, FacesMayComeFirstAndLinesMayBeSpaced) {
   const CleanMesh result = read(header("ascii", " element  face\t1\n" + faces + "element vertex 3 \n" + xyz) +
                                 "3 0 1 2\n\n  0 0 0  \r\n1 0 0\n\t0 1 0");
@@ -186,7 +279,6 @@ TEST_F(ReadPly, RefusesAbsurdCounts) {
 TEST_F(ReadPly, NamesTheFaultOfABody) {
   // The header has 11 lines: ply, format, comment, obj_info, element, three properties, element, property, end_header.
   EXPECT_CONTAINS(complaint(ascii_triangle("1 0")), "line 13: a value of element 'vertex' is missing");
-  EXPECT_CONTAINS(complaint(ascii_triangle("1 0 0 0")), "line 13: the line has more values");
   EXPECT_CONTAINS(complaint(ascii_triangle("1 o 0")), "line 13: a value of element 'vertex' is 'o'");
   EXPECT_CONTAINS(complaint(ascii_triangle("1 nan 0")), "line 13: a coordinate of a vertex is NaN");
   EXPECT_CONTAINS(complaint(ascii_triangle("1 0 1e300")),

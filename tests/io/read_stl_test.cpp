@@ -55,6 +55,45 @@ TEST_F(ReadStl, BinaryIsToldBySizeNotByItsFirstWord) {
   EXPECT_EQ(read(binary_square("binary") + "trailing bytes").mesh.triangles, square);
 }
 
+// All files of a concatenation, and what follows in one line. A second half of which the header does not know, and a
+// text, are no files.
+TEST_F(ReadStl, ReadsFilesOneAfterTheOther) {
+  const CleanMesh three = read(binary_square("a") + binary_square("solid b") + binary_square("c"));
+  EXPECT_EQ(three.report.triangles_read, 6u);
+  EXPECT_EQ(three.report.left_out.count("bytes after the last facet"), 0u);
+  const CleanMesh rest = read(binary_square("a") + binary_square("b") + "rest");
+  EXPECT_EQ(rest.report.triangles_read, 4u);
+  EXPECT_EQ(rest.report.left_out.count("bytes after the last facet"), 4u);
+  const CleanMesh half = read(binary_square("a", 1));
+  EXPECT_EQ(half.report.triangles_read, 1u);
+  EXPECT_EQ(half.report.left_out.count("bytes after the last facet"), 50u);
+  const CleanMesh cut = read(binary_square("a") + binary_square("b").substr(0, 150));
+  EXPECT_EQ(cut.report.triangles_read, 2u);
+  EXPECT_EQ(cut.report.left_out.count("bytes after the last facet"), 150u);
+}
+
+// As programs leave the number that write to a pipe.
+TEST_F(ReadStl, CountsFacetsItselfWhereTheHeaderHasNoNumber) {
+  const CleanMesh result = read(binary_square("a", 0));
+  EXPECT_EQ(result.mesh.triangles, square);
+  EXPECT_EQ(result.report.left_out.count("bytes after the last facet"), 0u);
+  EXPECT_CONTAINS(complaint(binary_square("a", 0) + "x"), "has no faces");
+}
+
+// A text never has room for as many facets as four of its characters say.
+TEST_F(ReadStl, HeadersThatBeginWithSolidMayHaveBytesBehindTheirFacets) {
+  const CleanMesh result = read(binary_square("solid") + std::string(2, '\0'));
+  EXPECT_EQ(result.mesh.triangles, square);
+  EXPECT_EQ(result.report.left_out.count("bytes after the last facet"), 2u);
+  EXPECT_CONTAINS(complaint(binary_square("solid", 3)), "byte 80: promises 3 facets, but the file has room for 2");
+}
+
+TEST_F(ReadStl, CountsColoursOfTheHeader) {
+  const LeftOut counts = read(binary_square(std::string("COLOR=\x10\x20\x30\xff,MATERIAL="))).report.left_out;
+  EXPECT_EQ(counts.count("COLOR= of the header"), 1u);
+  EXPECT_EQ(counts.count("MATERIAL= of the header"), 1u);
+}
+
 TEST_F(ReadStl, KeepsCountOfDegenerateFacets) {
   const CleanMesh result = read("solid\n" + two_facets + facet("0 0 0", "0 0 0", "1 1 0") + "endsolid\n");
   EXPECT_EQ(result.report.repeated_index_triangles, 1u);

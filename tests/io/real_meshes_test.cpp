@@ -110,7 +110,7 @@ TEST(RealMeshes, KeepTheirSeams) {
     const CleanMesh result = read_mesh(path);
     EXPECT_EQ(test::wedge_problem(result.mesh), "") << file;
     EXPECT_EQ(result.mesh.extra_wedges.size(), extra_wedges) << file;
-    EXPECT_EQ(result.report.left_out.texture_coordinates, 0u) << file;
+    EXPECT_EQ(result.report.left_out.count("texture coordinates that are not finite"), 0u) << file;
   }
 }
 

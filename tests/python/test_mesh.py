@@ -201,7 +201,14 @@ class Files(unittest.TestCase):
                 again, report = occlod.read_mesh_and_report(str(path))
                 self.assertEqual(corners(again.positions, again.triangles), corners(mesh.positions, mesh.triangles), name)
                 self.assertEqual(report.triangles_read, mesh.triangle_count)
-                self.assertEqual(report.left_out.materials, 0)
+                self.assertEqual(report.left_out, {})
+
+    def test_what_is_left_out_is_counted_by_name(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "a.obj")
+            path.write_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\nl 2 3\nname\xdf 1\n")
+            report = occlod.read_mesh_and_report(str(path))[1]
+        self.assertEqual(report.left_out, {"keyword name\ufffd": 1, "lines (l)": 2})
 
     def test_progress_ends_with_all(self):
         told = []

@@ -117,6 +117,21 @@ TEST_F(StreamedFiles, MakeWhatTheirMeshesMake) {
     }
 }
 
+// Two groups, a normal and two texture coordinates that no face uses, and one at the corner of a face that is not
+// finite.
+TEST_F(StreamedFiles, CountWhatIsLeftOut) {
+  const auto corner = [](int c, int, int) { return c == 1 ? "/2/1" : "/1/1"; };
+  const std::string name =
+      file("left_out.obj", obj_vertices(4) + "vn 0 0 1\nvn 1 0 0\nvt 0 0\nvt nan 0\nvt 1 1\nvt 2 2\ng a\n" +
+                               obj_faces(4, corner) + "g b\n");
+  hlod::HlodBuildOptions options;
+  options.node_triangles = 64;
+  MeshReport report;
+  static_cast<void>(build_hlod(stream(name), options, report));
+  EXPECT_EQ(report.left_out.entries().size(), 4u);
+  EXPECT_EQ(report.left_out, read_mesh(name).report.left_out);
+}
+
 // Materials that scale and move their textures, by turns and on quads.
 TEST_F(StreamedFiles, TexturesAreAtTheSamePlaces) {
   static_cast<void>(

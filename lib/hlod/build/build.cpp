@@ -39,6 +39,7 @@ class PieceCollector final : public TriangleSink {
   explicit PieceCollector(int threads) : threads_(threads) {}
   // Cleans the piece. Throws Error as TriangleSink says.
   void add(const TriangleMesh& piece) override;
+  void add_left_out(const LeftOut& counts) override { report_.left_out.add(counts); }
   // Returns the positions of all pieces so far.
   [[nodiscard]] std::span<const glm::vec3> positions() const { return raw_.positions; }
   // Rounds the positions of all pieces to the lattice, and then cleans as clean() does: removes triangles with two
@@ -124,7 +125,7 @@ void PieceCollector::count(const MeshReport& of_piece) {
   report_.nonfinite_vertices += of_piece.nonfinite_vertices;
   report_.repeated_index_triangles += of_piece.repeated_index_triangles;
   report_.vertices_welded += of_piece.vertices_welded;
-  report_.left_out.texture_coordinates += of_piece.left_out.texture_coordinates;
+  report_.left_out.add(of_piece.left_out);
 }
 
 void PieceCollector::append(const TriangleMesh& piece) {

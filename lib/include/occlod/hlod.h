@@ -31,6 +31,8 @@ class TriangleSink {
   // them, texture coordinates when any has: the others lie at (0, 0). Each piece has the materials and textures of
   // those before it, perhaps with more behind them, or none. Throws Error as clean() does.
   virtual void add(const TriangleMesh& piece) = 0;
+  // Counts of what the source leaves out of its files; sinks that make no report ignore them.
+  virtual void add_left_out(const LeftOut& /*counts*/) {}
 };
 
 // Gives all its triangles to a sink, in pieces of a size that fits into memory, some hundred thousand triangles each.

@@ -6,7 +6,9 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "occlod/base.h"
@@ -89,26 +91,40 @@ struct TriangleMesh {
   }
 };
 
-// Counts of what a file holds and a TriangleMesh does not. Attributes that corners of triangles use are kept; they
-// count here only when no corner uses them.
-struct LeftOut {
-  // All formats: vertices with a texture coordinate that is not finite, which becomes (0, 0). OBJ: vt lines that no
-  // face uses. PLY: vertices with texture coordinates where faces have them too. OFF: vertices of STOFF files. glTF:
-  // vertices, once for each of their TEXCOORD_n except the one that the base colour's texture names.
-  std::uint64_t texture_coordinates = 0;
-  // OBJ: vn lines that no face uses. PLY: faces with a normal. STL: facets.
-  std::uint64_t normals = 0;
-  // PLY and OFF: faces with a colour. STL: binary facets whose attribute bytes are not 0, which is how programs colour
-  // them. glTF: vertices, once for each of their COLOR_n beyond COLOR_0.
-  std::uint64_t colors = 0;
-  // OBJ: names on usemtl lines that no library of the mtllib lines describes; the names are kept. PLY: elements
-  // `material`. glTF: textures of materials other than the base colour's.
-  std::uint64_t materials = 0;
-  // OBJ: different names on o lines and on g lines. STL: different names of solids (text). glTF: nodes with a mesh.
-  std::uint64_t groups = 0;
+// Counts what a file holds and a TriangleMesh does not, by name and in the file's own terms: "facet normals",
+// "lines (l)", "property quality of vertex". Attributes that corners of triangles use are kept; they count only when no
+// corner uses them.
+class LeftOut {
+ public:
+  // A name and its count.
+  struct Entry {
+    std::string name;         // in the words of the file
+    std::uint64_t count = 0;  // at least 1
+    // True when name and count are equal.
+    [[nodiscard]] bool operator==(const Entry&) const = default;
+  };
 
-  // True when all counts are equal.
+  static constexpr std::size_t max_names = 256;       // without "others"
+  static constexpr std::size_t max_name_bytes = 128;  // of a name
+
+  // Adds to the count of a name; a count of 0 changes nothing. Files may name things as they like: control characters
+  // become '?', a long name is cut to max_name_bytes, and when there are max_names names, new ones count as "others".
+  // O(names).
+  void add(std::string_view name, std::uint64_t count = 1);
+  // Adds all counts of another object.
+  void add(const LeftOut& more);
+
+  // Returns the count of a name, 0 where it has none. O(log names).
+  [[nodiscard]] std::uint64_t count(std::string_view name) const noexcept;
+  // True when nothing was left out.
+  [[nodiscard]] bool empty() const noexcept { return entries_.empty(); }
+  // Returns the counts, ascending by name.
+  [[nodiscard]] std::span<const Entry> entries() const noexcept { return entries_; }
+  // True when all names and counts are equal.
   [[nodiscard]] bool operator==(const LeftOut&) const = default;
+
+ private:
+  std::vector<Entry> entries_;  // ascending by name
 };
 
 // Counts what was found in an input mesh and what was changed: the file as it was read, the changes of clean(), and the
