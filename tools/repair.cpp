@@ -103,15 +103,15 @@ void print_report(const Json& report, const RepairCounts& changes) {
                report["input"].get<std::string>(), changes.unorientable_edges);
 }
 
-void check_files(const Options& options) {
-  CommandFiles files;
+void add_files(const Options& options, CommandFiles& files) {
   files.add_input("the mesh to read", options.input);
   files.add_mesh_output("--output", options.output);
 }
 
 void run(const Options& options) {
   handle_interrupts("repair");
-  check_files(options);
+  CommandFiles files;
+  add_files(options, files);
   Progress progress(options.progress);
   const CleanMesh input = read(options, progress);
   const Stopwatch stopwatch;

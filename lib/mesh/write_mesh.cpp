@@ -332,6 +332,7 @@ void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
   assert(mesh.colors.empty() || mesh.colors.size() == mesh.wedge_count());
   assert(mesh.texture_coordinates.empty() || mesh.texture_coordinates.size() == mesh.wedge_count());
   const MeshFormat format = format_to_write(path);
+  FileGroup together;  // with the material library and the images
   AtomicFile file(path);
   ChunkedWriter out(file);
   switch (format) {
@@ -353,6 +354,7 @@ void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
   }
   out.flush();
   file.commit();
+  together.commit();
 }
 
 }  // namespace occlod
