@@ -181,7 +181,7 @@ void add_hlod_build(CLI::App& hlod) {
       .add_option_function<std::string>(
           "--memory", [options](const std::string& text) { set_memory(*options, text); },
           "Stream the input and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files. The "
-          "result does not depend on how much")
+          "result does not depend on how much. Not with --within splits, which keeps all nodes in memory")
       ->option_text("BYTES");
   add_name(command, "--scratch", options->scratch, "With --memory: folder for scratch files; else that of the output")
       ->needs("--memory");

@@ -19,6 +19,7 @@
 #include "occlod/mesh_file.h"
 #include "option_values.h"
 #include "progress.h"
+#include "standard_streams.h"
 #include "stopwatch.h"
 
 namespace occlod::tool {
@@ -100,7 +101,7 @@ void print_report(const Json& report, const RepairCounts& changes) {
   print_topology(report);
   if (changes.unorientable_edges > 0)
     fmt::print("{}: cannot be oriented, it has one side only, as a Moebius band has: cut along {} edges\n",
-               report["input"].get<std::string>(), changes.unorientable_edges);
+               printable(report["input"].get<std::string>()), changes.unorientable_edges);
 }
 
 void add_files(const Options& options, CommandFiles& files) {

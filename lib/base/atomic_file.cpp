@@ -295,6 +295,8 @@ void require_writable_folder(const fs::path& path, const fs::path& target) {
   if (fs::exists(status) && !fs::is_directory(status)) fail(path, "is not a folder", "choose another name");
   if (target.filename().empty() || target.filename() == "." || target.filename() == "..")
     fail(path, "cannot be replaced by a new folder", "name a folder in it");
+  if (is_mount_point(target.c_str()))
+    fail(path, "is a mount point, which cannot be replaced by a new folder", "name a folder in it");
   const fs::path folder = folder_of(target);
   if (!fs::is_directory(folder, unknown))
     fail(path, fmt::format("the folder {} does not exist", folder.string()), "create it first");
