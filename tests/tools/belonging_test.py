@@ -86,10 +86,9 @@ class Belonging(ToolTest):
         cells = ["cells", "build", "a.obj", "--region", "2,2,2,3,3,3", "--work", "work"]
         self.succeed(*cells, "-o", "a.vlod")
         part = next((self.folder / "work").iterdir())
-        part.unlink()
         self.assert_kept([*cells, "-o", f"work/{part.name}"], "--work: would overwrite ", "which --output writes")
-        (self.folder / "b.mtl").rename(part)  # a part that is not one would be built again
-        (self.folder / "a.obj").write_text(f"mtllib work/{part.name}\n" + TETRAHEDRON)
+        part.unlink()
+        part.symlink_to("../b.mtl")  # what is no part would be built again
         self.assert_kept([*cells, "-o", "b.vlod"], "--work: would overwrite ", "which is a material library of a.obj")
 
     def test_images_beside_a_mesh_are_outputs(self):

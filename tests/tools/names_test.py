@@ -65,7 +65,7 @@ class Names(ToolTest):
         self.write_gltf("x.png")
         self.assertIn("cannot hold", self.failure_of(*self.cut("a\nb.obj")))
         self.succeed(*self.cut("#x.obj"))
-        self.assertEqual(self.images_of("#x.obj"), ["x.png"])
+        self.assertEqual(self.images_of("#x.obj"), ["./x.png"])
 
     def test_any_bytes_go_round(self):
         (self.folder / "a.obj").write_bytes(b"mtllib a.mtl\n" + POINTS.encode() + b"usemtl Stra\xdfe\n" + FACES.encode())

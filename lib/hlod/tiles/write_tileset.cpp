@@ -97,6 +97,7 @@ class NamesInTileset final : public nlohmann::json_sax<nlohmann::json> {
   std::string generator;
 
   bool string(std::string& text) override {
+    if (path_.empty()) return true;
     if (path_.back() == "uri") uris.push_back(text);
     if (path_ == Path{"asset", "extras", "generator"}) generator = text;
     if (path_ == Path{"asset", "extras", "images", ""}) images.push_back(text);
@@ -132,7 +133,7 @@ class NamesInTileset final : public nlohmann::json_sax<nlohmann::json> {
     return true;
   }
 
-  Path path_{""};  // the keys of the open objects, empty for arrays, and the key of the value
+  Path path_;  // the keys of the values in the open objects; empty for arrays
 };
 
 // Returns the names of all files that write_tileset() has written into a folder, relative to it; none if the folder is
