@@ -30,8 +30,6 @@ class CommandFiles {
   // Returns what the input is that has this identity; null if none has. Only an output that exists can be an input, so
   // inputs are not read before there is one.
   const std::string* find_input(const std::string& identity, const std::filesystem::path& path);
-  void add_scene_files(const std::filesystem::path& scene);
-  void add_mesh_files(const std::filesystem::path& mesh);
 
   std::map<std::string, std::string> inputs_;   // from the file's identity to what it is
   std::map<std::string, std::string> outputs_;  // from the file's identity to the option that names it
