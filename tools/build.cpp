@@ -69,15 +69,15 @@ Hierarchy build(const Options& options, const TriangleMesh& mesh, Progress& prog
   return build_hierarchy(mesh, build);
 }
 
-void check_files(const Options& options) {
-  CommandFiles files;
+void add_files(const Options& options, CommandFiles& files) {
   files.add_input("the mesh to read", options.input);
   files.add_output("--output", options.output);
 }
 
 void run(const Options& options) {
   handle_interrupts("build");
-  check_files(options);
+  CommandFiles files;
+  add_files(options, files);
   Progress progress(options.progress);
   Stopwatch stopwatch;
   CleanMesh input = read(options, progress);

@@ -21,7 +21,6 @@
 #include "occlod/build_cells.h"
 #include "option_values.h"
 #include "peak_bytes.h"
-#include "render_input.h"
 #include "stopwatch.h"
 
 namespace occlod::tool {
@@ -104,17 +103,13 @@ CellTreeOptions chosen_options(const Options& options, const SceneDescription& s
   return chosen;
 }
 
-void check(const Options& options, const SceneDescription& scene) {
+void check(const Options& options, CommandFiles& files) {
   if (options.shard && options.work.empty())
     throw CLI::ValidationError("--shard", "needs --work: the folder for its part");
   if (options.shard && !options.output.empty())
     throw CLI::ValidationError("--shard", "makes parts; leave --output out and merge them with 'occlod cells merge'");
   if (!options.shard && options.output.empty()) throw CLI::ValidationError("--output", "is required without --shard");
-  CommandFiles files;
   files.add_input("the input", options.file);
-  RenderInputOptions input;
-  input.file = options.file;
-  for (const std::filesystem::path& mesh : mesh_files(input, scene)) files.add_input("a mesh of the scene", mesh);
   if (!options.output.empty()) files.add_output("--output", options.output);
 }
 
@@ -130,8 +125,8 @@ class Building {
                         [&] { build_.write(options_.output, options_.threads, show); });
   }
 
-  // Writes all parts of the shard, or of everything, and returns their files.
-  std::vector<std::filesystem::path> write_parts() {
+  // Writes all parts of the shard, or of everything, and returns their files, which it adds to those of the command.
+  std::vector<std::filesystem::path> write_parts(CommandFiles& files) {
     std::error_code error;
     std::filesystem::create_directories(options_.work, error);
     if (error)
@@ -139,17 +134,21 @@ class Building {
                    "name another folder"});
     const Shard shard = options_.shard.value_or(Shard{});
     const CellRange all = build_.shard(shard.index, shard.count);
+    std::vector<CellRange> ranges;
     std::vector<std::filesystem::path> parts;
     for (std::uint32_t first = all.first; first < all.first + all.count; first += roots_in_part) {
-      const CellRange range{first, std::min(roots_in_part, all.first + all.count - first)};
-      parts.push_back(options_.work / build_.part_name(range));
-      if (build_.has_part(parts.back(), range)) {
+      ranges.push_back({first, std::min(roots_in_part, all.first + all.count - first)});
+      parts.push_back(options_.work / build_.part_name(ranges.back()));
+      files.add_output("--work", parts.back());
+    }
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (build_.has_part(parts[i], ranges[i])) {
         ++found_;
         continue;
       }
-      const auto show = shown_as("building " + options_.work.string(), first - all.first, all.count);
-      write_interruptibly(parts.back().string(), 0, progress_,
-                          [&] { build_.write_part(parts.back(), range, options_.threads, show); });
+      const auto show = shown_as("building " + options_.work.string(), ranges[i].first - all.first, all.count);
+      write_interruptibly(parts[i].string(), 0, progress_,
+                          [&] { build_.write_part(parts[i], ranges[i], options_.threads, show); });
       has_written_ = true;
     }
     return parts;
@@ -191,7 +190,8 @@ class Building {
 void run(const Options& options) {
   handle_interrupts("cells build");
   const SceneDescription description = describe_file(options.file);
-  check(options, description);
+  CommandFiles files;
+  check(options, files);
   const CellTreeOptions tree = chosen_options(options, description);
   const CellScene scene = load_cell_scene(description, options.file, options.use_cache);
   const Stopwatch stopwatch;
@@ -201,7 +201,7 @@ void run(const Options& options) {
   if (options.work.empty()) {
     building.write_file();
   } else {
-    parts = building.write_parts();
+    parts = building.write_parts(files);
     if (!options.shard) building.merge(parts);
   }
   building.clear();

@@ -10,7 +10,6 @@
 #include "interrupt.h"
 #include "occlod/build_cells.h"
 #include "option_values.h"
-#include "render_input.h"
 #include "stopwatch.h"
 
 namespace occlod::tool {
@@ -29,9 +28,6 @@ void run(const Options& options) {
   CommandFiles files;
   files.add_input("the cells", options.file);
   files.add_input("the scene", options.scene);
-  RenderInputOptions input;
-  input.file = options.scene;
-  for (const std::filesystem::path& mesh : mesh_files(input, description)) files.add_input("a mesh of the scene", mesh);
   files.add_output("--output", options.output);
   static_cast<void>(open_vlod(options.file));  // first, because the scene takes longer
   const CellScene scene = load_cell_scene(description, options.scene, options.use_cache);

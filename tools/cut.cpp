@@ -40,15 +40,15 @@ FixedCut chosen_cut(const Options& options, const Hierarchy& hierarchy) {
   return cut;
 }
 
-void check_files(const Options& options) {
-  CommandFiles files;
+void add_files(const Options& options, CommandFiles& files) {
   files.add_input("the hierarchy to read", options.file);
   files.add_mesh_output("--output", options.output);
 }
 
 void run(const Options& options) {
   handle_interrupts("cut");
-  check_files(options);
+  CommandFiles files;
+  add_files(options, files);
   Progress progress(options.progress);
   progress.show("reading " + options.file, std::nullopt);
   const OlodFile file = read_olod(options.file);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "standard_streams.h"
+
 namespace occlod::tool {
 namespace {
 
@@ -42,7 +44,7 @@ void print_object(std::size_t i, const std::string& source, const AutoRefiner& r
   const ObjectEffects& effects = report.choice.objects[i];
   const ObjectEffectStats& stats = report.objects[i];
   const Calibration& calibration = refiner.calibration();
-  fmt::print("  object {} ({})\n", i, source);
+  fmt::print("  object {} ({})\n", i, printable(source));
   fmt::print("    normal cones {}: {} of {} nodes culled, about {:.3f} ms\n", effects.cones ? "on" : "off",
              stats.cone_culled, stats.cone_tests, 1e-6 * static_cast<double>(stats.cone_tests) * calibration.cone_ns);
   if (!report.choice.backend) return;

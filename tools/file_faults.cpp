@@ -74,7 +74,7 @@ extern "C" void on_bus_error(int number, siginfo_t* info, void* /*context*/) {
   }
   say({name_of_program.data(), name_size});
   say(": error: ");
-  say(file);
+  for (const char c : file) say(static_cast<unsigned char>(c) < ' ' ? std::string_view("?") : std::string_view(&c, 1));
   say(": was cut short while it was read, or its disk failed; write it again, and leave it alone while it is used\n");
   _exit(1);
 }

@@ -88,7 +88,8 @@ Json write_streamed(const GeneratorValues& values, const Request& request, Progr
 void run(const Request& request) {
   const GeneratorValues values = read_values(generator_of(request.kind), request.settings);
   handle_interrupts("generate");
-  CommandFiles().add_mesh_output("--output", request.file);
+  CommandFiles files;
+  files.add_mesh_output("--output", request.file);
   Progress progress(request.progress);
   Json result = {{"generator", request.kind}, {"file", request.file}};
   result.update(request.stream ? write_streamed(values, request, progress) : write_whole(values, request, progress));

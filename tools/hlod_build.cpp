@@ -17,7 +17,6 @@
 #include "occlod/node_store.h"
 #include "option_values.h"
 #include "peak_bytes.h"
-#include "render_input.h"
 #include "stopwatch.h"
 
 namespace occlod::tool {
@@ -38,12 +37,6 @@ struct Options {
   bool json = false;
 };
 
-std::vector<std::filesystem::path> mesh_files_of(const std::string& scene) {
-  RenderInputOptions options;
-  options.file = scene;
-  return mesh_files(options, read_scene(scene));
-}
-
 std::string journal_of(const Options& options) { return options.output + ".journal"; }
 
 hlod::HlodBuildOptions build_options(const Options& options, Progress& progress) {
@@ -56,15 +49,10 @@ hlod::HlodBuildOptions build_options(const Options& options, Progress& progress)
   return build;
 }
 
-void check(const Options& options) {
+void check(const Options& options, CommandFiles& files) {
   if (options.build.grouping == hlod::Grouping::shifted && options.build.borders == hlod::Borders::free)
     throw CLI::ValidationError("--borders", "free needs --grouping nested: shifted groups are there to have no gaps");
-  CommandFiles files;
-  for (const std::string& input : options.inputs) {
-    files.add_input("an input", input);
-    if (!is_scene_file(input)) continue;
-    for (const std::filesystem::path& mesh : mesh_files_of(input)) files.add_input("a mesh of the scene", mesh);
-  }
+  for (const std::string& input : options.inputs) files.add_input("an input", input);
   files.add_output("--output", options.output);
   if (options.resume) files.add_output("--resume", journal_of(options));
   if (options.memory && options.build.within == hlod::Within::splits)
@@ -119,7 +107,8 @@ void remove_journal(const std::string& file) {
 
 void run(const Options& options) {
   handle_interrupts("hlod build");
-  check(options);
+  CommandFiles files;
+  check(options, files);
   Progress progress(options.progress);
   Stopwatch stopwatch;
   std::optional<MemoryLimit> limit;
@@ -192,7 +181,7 @@ void add_hlod_build(CLI::App& hlod) {
       .add_option_function<std::string>(
           "--memory", [options](const std::string& text) { set_memory(*options, text); },
           "Stream the input and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files. The "
-          "result does not depend on how much")
+          "result does not depend on how much. Not with --within splits, which keeps all nodes in memory")
       ->option_text("BYTES");
   add_name(command, "--scratch", options->scratch, "With --memory: folder for scratch files; else that of the output")
       ->needs("--memory");

@@ -45,9 +45,8 @@ std::filesystem::path picture_file(const std::string& file, int frames, int fram
   return frames > 1 ? numbered(file, frame) : std::filesystem::path(file);
 }
 
-void check_files(const Options& options, const HlodRequest& request) {
-  CommandFiles files;
-  for (const auto& [what, path] : files_of(options.scene, request)) files.add_input(what, path);
+void add_files(const Options& options, const HlodRequest& request, CommandFiles& files) {
+  add_files(files, options.scene);
   for (int i = 0; !options.png.empty() && i < request.frames; ++i)
     files.add_output("--png", picture_file(options.png, request.frames, i));
 }
@@ -97,7 +96,8 @@ void print_cache(const hlod::CacheOptions& cache, const Json& told, double first
 void run(const Options& options) {
   handle_interrupts("hlod render");
   const HlodRequest request = describe_hlod_request(options.scene);
-  check_files(options, request);
+  CommandFiles files;
+  add_files(options, request, files);
   const HlodDevice device = make_hlod_device(options.device);
   hlod::TraverseOptions traverse = options.traverse;
   if (hlod::needs_costs(traverse.strategy)) traverse.costs = hlod::measure_costs(*device.device);
@@ -110,6 +110,7 @@ void run(const Options& options) {
   const auto columns = frame_columns(options.compared_frames > 0, is_paged);
   if (!options.json) print_titles(columns);
   double first_picture_ms = 0.0;
+  FileGroup pictures;
   for (int i = 0; i < scene.path.frames; ++i) {
     note_interrupts();
     runs.draw(i);
@@ -118,6 +119,7 @@ void run(const Options& options) {
     if (!options.png.empty()) write_picture(options, scene, textures, runs.front(0), i);
     if (!options.json) print_row(columns, runs.told(0));
   }
+  pictures.commit();
   Json report = report_of(options, scene, device, traverse.costs, runs);
   report["first_picture_ms"] = first_picture_ms;
   if (options.json) return print_json(report);

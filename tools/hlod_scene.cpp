@@ -90,15 +90,9 @@ HlodRequest describe_hlod_request(const HlodSceneOptions& options) {
   return request;
 }
 
-std::vector<std::pair<std::string, std::filesystem::path>> files_of(const HlodSceneOptions& options,
-                                                                    const HlodRequest& request) {
-  std::vector<std::pair<std::string, std::filesystem::path>> files = {{"the input", options.file}};
-  if (!options.scene.empty()) files.emplace_back("the scene with the cameras", options.scene);
-  RenderInputOptions input;
-  input.file = options.file;
-  for (std::filesystem::path& mesh : mesh_files(input, request.objects))
-    files.emplace_back("a mesh of the scene", std::move(mesh));
-  return files;
+void add_files(CommandFiles& files, const HlodSceneOptions& options) {
+  files.add_input("the input", options.file);
+  if (!options.scene.empty()) files.add_input("the scene with the cameras", options.scene);
 }
 
 HlodScene load_hlod_scene(const HlodSceneOptions& options, const HlodRequest& request) {

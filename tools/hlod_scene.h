@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "chosen_views.h"
+#include "command_files.h"
 #include "occlod/device.h"
 #include "occlod/scene.h"
 
@@ -51,9 +51,8 @@ struct HlodRequest {
 // Reads scene files only. Throws Error.
 [[nodiscard]] HlodRequest describe_hlod_request(const HlodSceneOptions& options);
 
-// Returns the files that load_hlod_scene() may read, with names for messages.
-[[nodiscard]] std::vector<std::pair<std::string, std::filesystem::path>> files_of(const HlodSceneOptions& options,
-                                                                                  const HlodRequest& request);
+// Adds the files that load_hlod_scene() may read.
+void add_files(CommandFiles& files, const HlodSceneOptions& options);
 
 // Reads and builds the scene. Shows progress and notes on standard error. Throws Error.
 [[nodiscard]] HlodScene load_hlod_scene(const HlodSceneOptions& options, const HlodRequest& request);

@@ -12,6 +12,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/file_input.h"
 #include "occlod/base.h"
 
 namespace occlod::tool {
@@ -40,6 +41,7 @@ Image decode_image(std::span<const std::uint8_t> bytes, const std::string& name)
 }
 
 Image read_image(const std::filesystem::path& file) {
+  require_no_special_file(file);
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw Error({file.string(), "", "the image cannot be opened", "put it there, or use --texture none"});
   const std::vector<char> bytes((std::istreambuf_iterator<char>(stream)), {});

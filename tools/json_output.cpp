@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "standard_streams.h"
+
 namespace occlod::tool {
 
 Json to_json(const glm::dvec3& vector) { return {vector.x, vector.y, vector.z}; }
@@ -79,7 +81,7 @@ void print_lines(const Json& object) {
   for (const auto& [key, value] : object.items()) width = std::max(width, key.size());
   for (const auto& [key, value] : object.items()) {
     if (value.is_structured()) continue;
-    const std::string text = value.is_string()         ? value.get<std::string>()
+    const std::string text = value.is_string()         ? printable(value.get<std::string>())
                              : value.is_number_float() ? fmt::format("{:.6g}", value.get<double>())
                                                        : value.dump();
     fmt::print("{:<{}}  {}\n", key, width, text);

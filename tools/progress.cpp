@@ -57,10 +57,10 @@ void Progress::show(const std::string& what, std::optional<double> done, std::si
   }
   if (!is_shown_ || !is_due(new_stage)) return;
   since_line_.emplace();
-  std::string line = what;
+  std::string line = printable(what);
   if (done) {
     const double share = std::clamp(*done, 0.0, 1.0);
-    line = bar(share) + what + rate_and_rest(share, stage_.milliseconds(), triangles);
+    line = bar(share) + line + rate_and_rest(share, stage_.milliseconds(), triangles);
   }
   has_bar_ = is_terminal_;
   write_to_standard_error(is_terminal_ ? wipe_line + line : line + "\n");

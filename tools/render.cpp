@@ -16,6 +16,7 @@
 #include "explanation.h"
 #include "global_options.h"
 #include "hlod_scene.h"
+#include "interrupt.h"
 #include "json_output.h"
 #include "measurement.h"
 #include "object_textures.h"
@@ -37,6 +38,7 @@ namespace {
 void write_outputs(const RenderInput& input, const RenderOptions& options, const Measurement& measurement,
                    const View& view, std::span<const ObjectTexture> textures) {
   const std::span<const DrawObject> objects = measurement.objects();
+  note_interrupts();
   if (!options.png.empty()) write_png(options.png, shade(measurement.items(), objects, view, {.textures = textures}));
   if (!options.birdseye.empty())
     write_png(options.birdseye, birdseye(objects, measurement.items(), view, View(birdseye_camera(objects, view))));
@@ -45,7 +47,7 @@ void write_outputs(const RenderInput& input, const RenderOptions& options, const
 }
 
 void render_view(const RenderInput& input, const RenderOptions& options, RefineWay& way,
-                 std::span<const hlod::PlacedHlod> hlods, std::span<const ObjectTexture> textures) {
+                 std::span<const hlod::PlacedHlod> hlods, std::span<const ObjectTexture> textures, FileGroup& outputs) {
   const View view(input.camera);
   Measurement measurement(input.objects);
   for (int i = 0; i < options.repeat; ++i) way.repeat(measurement, view, options.refine);
@@ -67,6 +69,7 @@ void render_view(const RenderInput& input, const RenderOptions& options, RefineW
     beside.add(view, measurement);
     ways = costs_of_ways(beside, hlods);
   }
+  outputs.commit();
   if (options.json) {
     Json report = report_of(result);
     if (options.explain) report["splits_or_hlod"] = to_json(ways);
@@ -97,11 +100,8 @@ BackendOptions backend_options(const RenderOptions& options) {
   return backend;
 }
 
-void check_files(const RenderOptions& options, const SceneDescription& scene) {
-  CommandFiles files;
+void add_files(const RenderOptions& options, const SceneDescription& scene, CommandFiles& files) {
   files.add_input("the scene to read", options.input.file);
-  for (const std::filesystem::path& mesh : mesh_files(options.input, scene))
-    files.add_input("a mesh of the scene", mesh);
   if (!options.auto_way.calibration.empty()) files.add_input("the calibration to read", options.auto_way.calibration);
   if (!options.auto_way.save_calibration.empty())
     files.add_output("--save-calibration", options.auto_way.save_calibration);
@@ -113,36 +113,27 @@ void check_files(const RenderOptions& options, const SceneDescription& scene) {
   if (!options.mesh.empty()) files.add_mesh_output("--mesh", options.mesh);
 }
 
-// Checks the images that meshes name, which are read too.
-void check_images(const RenderOptions& options, const RenderInput& input) {
-  CommandFiles files;
-  for (const LoadedObject& object : input.objects)
-    for (const Texture& texture : object.hierarchy->data().textures)
-      if (!texture.file.empty())
-        files.add_input("an image of a mesh", std::filesystem::path(object.source_name).parent_path() / texture.file);
-  if (!options.png.empty() && !input.path) files.add_output("--png", options.png);
-  if (!options.birdseye.empty()) files.add_output("--birdseye", options.birdseye);
-}
-
 void run(const RenderOptions& options) {
+  handle_interrupts("render");
   const BackendOptions backend = backend_options(options);
   const SceneDescription scene = describe_render_input(options.input);
-  check_files(options, scene);
+  CommandFiles files;
+  add_files(options, scene, files);
   if (backend.occlusion != "auto") (void)make_backend(backend);  // fails before much is read and built
   const RenderInput input = load_render_input(options.input, scene);
   std::vector<LoadedHlod> hlods;  // to compare with
   if (options.explain) hlods = load_hlods_of(scene, options.input.file.parent_path(), options.input.use_cache);
   const std::vector<hlod::PlacedHlod> placed = placed_objects(hlods);
-  check_images(options, input);
   const bool shows_textures = !options.png.empty() || options.reference;
   const SceneTextures textures(input.objects, shows_textures ? options.texture : TextureChoice::none);
+  FileGroup outputs;
   RefineWay way(input.objects, backend, options.auto_way);
   if (input.path)
     render_path(input, options.refine, way,
                 {options.png, options.frame_to_frame ? Following::frame_to_frame : Following::none, options.repeat,
-                 options.json, options.explain && !options.json, textures.textures(), placed});
+                 options.json, options.explain && !options.json, textures.textures(), placed, &outputs});
   else
-    render_view(input, options, way, placed, textures.textures());
+    render_view(input, options, way, placed, textures.textures(), outputs);
 }
 
 }  // namespace

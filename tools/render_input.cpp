@@ -1,8 +1,5 @@
 #include "render_input.h"
 
-#include <utility>
-#include <variant>
-
 #include "occlod/base.h"
 #include "progress.h"
 #include "standard_streams.h"
@@ -23,15 +20,6 @@ SceneDescription describe_render_input(const RenderInputOptions& options) {
   if (!is_scene_file(options.file) && !options.path.empty())
     throw Error({options.file.string(), "--path", "a single mesh has no camera path", "give a scene that has it"});
   return describe_file(options.file);
-}
-
-std::vector<std::filesystem::path> mesh_files(const RenderInputOptions& options, const SceneDescription& scene) {
-  std::vector<std::filesystem::path> files;
-  for (const SceneObject& object : scene.objects)
-    if (const auto* source = std::get_if<MeshFile>(&object.source))
-      for (const std::string& name : source->names)
-        if (auto file = find_mesh(name, options.file.parent_path()); !file.empty()) files.push_back(std::move(file));
-  return files;
 }
 
 RenderInput load_render_input(const RenderInputOptions& options) {

@@ -27,9 +27,6 @@ struct RenderInput {
 
 // Returns the content of a scene file, or a scene of the one mesh or hierarchy. Throws Error.
 [[nodiscard]] SceneDescription describe_render_input(const RenderInputOptions& options);
-// Returns the files that load_render_input() may read.
-[[nodiscard]] std::vector<std::filesystem::path> mesh_files(const RenderInputOptions& options,
-                                                            const SceneDescription& scene);
 
 // Reads and builds objects. Shows progress and notes on standard error. Throws Error like load_objects().
 [[nodiscard]] std::vector<LoadedObject> load_objects_of(const SceneDescription& scene,

@@ -8,6 +8,7 @@
 
 #include "beside_hlod.h"
 #include "explanation.h"
+#include "interrupt.h"
 #include "occlod/picture.h"
 #include "render_report.h"
 
@@ -50,6 +51,7 @@ void render_path(const RenderInput& input, const RefineOptions& options, RefineW
   Json frames = Json::array();
   if (!output.json) print_header(output.following);
   for (int i = 0; i < input.path->frames; ++i) {
+    if (!output.png.empty()) note_interrupts();
     const View view(camera_at(*input.path, i));
     measurement.begin();
     for (int round = 0; round < output.repeat; ++round) way.repeat(measurement, view, options);
@@ -66,6 +68,7 @@ void render_path(const RenderInput& input, const RefineOptions& options, RefineW
     if (beside) beside->add(view, measurement);
     frames.push_back(std::move(frame));
   }
+  output.files->commit();
   const std::vector<WayCost> ways = beside ? costs_of_ways(*beside, output.beside) : std::vector<WayCost>();
   if (!output.json) {
     if (beside) print_ways(ways);

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "base/atomic_file.h"
 #include "measurement.h"
 #include "occlod/device.h"
 #include "occlod/picture.h"
@@ -22,6 +23,7 @@ struct PathOutput {
   bool explain = false;
   std::span<const ObjectTexture> textures = {};   // of the pictures; one per object, or empty
   std::span<const hlod::PlacedHlod> beside = {};  // HLODs of the scene to compare with at the end, unless empty
+  FileGroup* files = nullptr;                     // committed after the last frame
 };
 
 // Refines the frames camera_at(*input.path, frame) with one Refiner, and prints the results of each: a table for

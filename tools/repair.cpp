@@ -19,6 +19,7 @@
 #include "occlod/mesh_file.h"
 #include "option_values.h"
 #include "progress.h"
+#include "standard_streams.h"
 #include "stopwatch.h"
 
 namespace occlod::tool {
@@ -101,18 +102,18 @@ void print_report(Json report, const LeftOut& left_out, const RepairCounts& chan
   print_topology(report);
   if (changes.unorientable_edges > 0)
     fmt::print("{}: cannot be oriented, it has one side only, as a Moebius band has: cut along {} edges\n",
-               report["input"].get<std::string>(), changes.unorientable_edges);
+               printable(report["input"].get<std::string>()), changes.unorientable_edges);
 }
 
-void check_files(const Options& options) {
-  CommandFiles files;
+void add_files(const Options& options, CommandFiles& files) {
   files.add_input("the mesh to read", options.input);
   files.add_mesh_output("--output", options.output);
 }
 
 void run(const Options& options) {
   handle_interrupts("repair");
-  check_files(options);
+  CommandFiles files;
+  add_files(options, files);
   Progress progress(options.progress);
   const CleanMesh input = read(options, progress);
   const Stopwatch stopwatch;

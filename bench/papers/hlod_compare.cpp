@@ -61,13 +61,12 @@ std::filesystem::path boxes_file(const Options& options, int frames, int frame) 
   return file.parent_path() / fmt::format("{}_{:05}{}", file.stem().string(), frame, file.extension().string());
 }
 
-void check(const Options& options, const HlodRequest& request) {
+void check(const Options& options, const HlodRequest& request, CommandFiles& files) {
   const std::size_t runs = chosen_strategies(options).size() * options.devices.size();
   if (runs > 1 && !(options.record.empty() && options.replay.empty() && options.boxes.empty()))
     throw Error({"options", "--record, --replay, --boxes", "are of one run",
                  "name one strategy by --strategies and one device by --device"});
-  CommandFiles files;
-  for (const auto& [what, path] : files_of(options.scene, request)) files.add_input(what, path);
+  add_files(files, options.scene);
   if (!options.replay.empty()) files.add_input("the recording to replay", options.replay);
   if (!options.csv.empty()) files.add_output("--csv", options.csv);
   if (!options.record.empty()) files.add_output("--record", options.record);
@@ -140,7 +139,8 @@ void run(const Options& options) {
   HlodSceneOptions scene_options = options.scene;
   if (options.cache) scene_options.paged = options.cache->cache();
   const HlodRequest request = describe_hlod_request(scene_options);
-  check(options, request);
+  CommandFiles files;
+  check(options, request, files);
   const std::vector<TrialDevice> devices = make_devices(options);
   const HlodScene scene = load_hlod_scene(scene_options, request);
   for (const LoadedHlod& loaded : scene.hlods)
@@ -150,6 +150,7 @@ void run(const Options& options) {
   Drawn drawn = plan(options, devices, costs, oracle);
   std::optional<hlod::RecordingDevice> recorder;
   if (!options.record.empty()) drawn.runs.front().device = &recorder.emplace(*devices.front().device);
+  FileGroup outputs;
   HlodRuns runs(scene, drawn.runs, options.compared_frames);
   Progress progress;
   for (int i = 0; i < scene.path.frames; ++i) {
@@ -164,6 +165,7 @@ void run(const Options& options) {
   progress.clear();
   if (!options.csv.empty()) write_csv(options.csv, all_rows(drawn.heads, runs));
   if (recorder) write_recording(options.record, recorder->recording());
+  outputs.commit();
   for (std::size_t i = 0; i < drawn.heads.size(); ++i) drawn.heads[i].update(runs.summary(i));
   if (options.json) return print_json(report_of(options, scene, drawn.heads, runs, costs.front()));
   const auto columns = run_columns(options.compared_frames > 0);

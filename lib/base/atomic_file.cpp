@@ -75,7 +75,6 @@ void remove_leftovers(const fs::path& target) {
        entry.increment(ignored))
     if (std::error_code kept; is_leftover(*entry, prefix)) fs::remove_all(entry->path(), kept);
 }
-namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& path, std::string problem, std::string remedy) {
   throw Error({path.string(), "", std::move(problem), std::move(remedy)});
@@ -86,6 +85,36 @@ std::string reason(int error_number) { return std::generic_category().message(er
 constexpr std::size_t block_bytes = std::size_t{1} << 22;
 
 thread_local WriteMonitor* innermost_monitor = nullptr;
+thread_local WriteGuard* innermost_guard = nullptr;
+thread_local FileGroup* innermost_group = nullptr;
+
+// True when nothing has this name.
+bool is_free(const fs::path& target) {
+  std::error_code unknown;
+  return !fs::exists(fs::symlink_status(target, unknown));
+}
+
+// Exchanges a hidden file or folder with its target, which exists. On success `hidden` is where the old one is now.
+[[nodiscard]] std::error_code exchange(fs::path& hidden, const fs::path& target) {
+  std::error_code error;
+  if (exchange_names(hidden.c_str(), target.c_str())) return error;
+  // The file system cannot swap names: for a moment nothing has the target's name.
+  const fs::path old = hidden_neighbour(target);
+  fs::rename(target, old, error);
+  if (error) return error;
+  fs::rename(hidden, target, error);
+  std::error_code ignored;
+  if (error)
+    fs::rename(old, target, ignored);
+  else
+    hidden = old;
+  return error;
+}
+
+[[noreturn]] void fail_to_replace(const fs::path& path, const std::error_code& error) {
+  fail(path, fmt::format("cannot be replaced: {}", error.message()),
+       "check the permissions of the folder that it is in");
+}
 
 // Returns the status of `path` with links followed; throws when no file can be there.
 fs::file_status status_of(const fs::path& path) {
@@ -125,6 +154,7 @@ fs::path AtomicFile::target_of(const fs::path& path) {
 
 AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)), target_(target_of(path_)) {
   require_writable(path_, target_);
+  WriteGuard::check(path_);
   WriteMonitor::notify(0);
   remove_leftovers(target_);
   temporary_ = hidden_neighbour(target_);
@@ -165,14 +195,67 @@ void AtomicFile::commit() {
   errno = 0;
   stream_.close();
   if (!stream_) fail_to_write();
-  std::error_code error;
-  fs::rename(temporary_, target_, error);
-  if (error) fail(path_, fmt::format("cannot be replaced: {}", error.message()), "check the permissions of the folder");
+  if (innermost_group != nullptr) {
+    innermost_group->files_.push_back({path_, target_, temporary_});
+  } else {
+    std::error_code error;
+    fs::rename(temporary_, target_, error);
+    if (error) fail_to_replace(path_, error);
+  }
   temporary_.clear();
 }
 
 void AtomicFile::fail_to_write() const {
   fail(path_, fmt::format("cannot be written: {}", reason(errno != 0 ? errno : EIO)), "check the space on the disk");
+}
+
+FileGroup::FileGroup() : outer_(innermost_group) { innermost_group = this; }
+
+FileGroup::~FileGroup() {
+  innermost_group = outer_;
+  std::error_code ignored;
+  for (const Waiting& file : files_) fs::remove(file.hidden, ignored);
+}
+
+void FileGroup::commit() {
+  if (outer_ != nullptr) {
+    outer_->files_.insert(outer_->files_.end(), files_.begin(), files_.end());
+    files_.clear();
+    return;
+  }
+  for (; in_place_ < files_.size(); ++in_place_) {
+    Waiting& file = files_[in_place_];
+    file.is_new = is_free(file.target);
+    std::error_code error;
+    // The last one need not be taken back, so the old file need not be kept.
+    if (file.is_new || in_place_ + 1 == files_.size())
+      fs::rename(file.hidden, file.target, error);
+    else
+      error = exchange(file.hidden, file.target);
+    if (!error) continue;
+    take_back();
+    fail_to_replace(file.path, error);
+  }
+}
+
+// In reverse, so that a file that was written twice gets its first content back.
+void FileGroup::take_back() noexcept {
+  std::error_code ignored;
+  while (in_place_ > 0) {
+    const Waiting& file = files_[--in_place_];
+    if (file.is_new)
+      fs::remove(file.target, ignored);
+    else
+      fs::rename(file.hidden, file.target, ignored);
+  }
+}
+
+WriteGuard::WriteGuard(Check check) : check_(std::move(check)), outer_(innermost_guard) { innermost_guard = this; }
+
+WriteGuard::~WriteGuard() { innermost_guard = outer_; }
+
+void WriteGuard::check(const fs::path& path) {
+  if (innermost_guard != nullptr) innermost_guard->check_(path);
 }
 
 std::string identity_of(const fs::path& path) {
@@ -198,8 +281,6 @@ void WriteMonitor::notify(std::uint64_t bytes) {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 // Removes a slash at the end, which would leave an empty file name.
 fs::path without_slash(fs::path path) {
   if (path.filename().empty() && path.has_parent_path() && path != path.root_path()) path = path.parent_path();
@@ -214,18 +295,14 @@ void require_writable_folder(const fs::path& path, const fs::path& target) {
   if (fs::exists(status) && !fs::is_directory(status)) fail(path, "is not a folder", "choose another name");
   if (target.filename().empty() || target.filename() == "." || target.filename() == "..")
     fail(path, "cannot be replaced by a new folder", "name a folder in it");
+  if (is_mount_point(target.c_str()))
+    fail(path, "is a mount point, which cannot be replaced by a new folder", "name a folder in it");
   const fs::path folder = folder_of(target);
   if (!fs::is_directory(folder, unknown))
     fail(path, fmt::format("the folder {} does not exist", folder.string()), "create it first");
   if (const int why_not = why_no_files_can_be_made(folder.c_str()); why_not != 0)
     fail(path, fmt::format("cannot be written: {}", std::generic_category().message(why_not)),
          "check the permissions of the folder that it is in");
-}
-
-// True when nothing has this name.
-bool is_free(const fs::path& target) {
-  std::error_code unknown;
-  return !fs::exists(fs::symlink_status(target, unknown));
 }
 
 }  // namespace
@@ -251,6 +328,7 @@ AtomicFolder::~AtomicFolder() {
 }
 
 void AtomicFolder::write(const std::string& name, std::string_view bytes) {
+  WriteGuard::check(target_ / name);
   WriteMonitor::notify(bytes_);
   errno = 0;
   std::ofstream stream(place(name), std::ios::binary | std::ios::trunc);
@@ -266,21 +344,10 @@ void AtomicFolder::commit() {
   if (is_free(target_)) {
     fs::rename(temporary_, target_, error);
     if (!error) temporary_.clear();
-  } else if (!exchange_names(temporary_.c_str(), target_.c_str())) {
-    // The file system cannot swap names: for a moment nothing has the target's name.
-    const fs::path old = hidden_neighbour(target_);
-    fs::rename(target_, old, error);
-    if (!error) {
-      fs::rename(temporary_, target_, error);
-      std::error_code ignored;
-      if (error)
-        fs::rename(old, target_, ignored);
-      else
-        temporary_ = old;  // removed by the destructor
-    }
+  } else {
+    error = exchange(temporary_, target_);
   }
-  if (error)
-    fail(path_, fmt::format("cannot be replaced: {}", error.message()), "check the permissions of the folder it is in");
+  if (error) fail_to_replace(path_, error);
 }
 
 fs::path AtomicFolder::place(const std::string& name) {

@@ -1,4 +1,5 @@
-// AtomicFile and AtomicFolder make a file or a folder appear at its path complete or not at all.
+// AtomicFile and AtomicFolder make a file or a folder appear at its path complete or not at all, FileGroup does so for
+// several files.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +11,15 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace occlod {
 
 // Writes to a hidden file beside `path`; commit() flushes it, checks for errors and renames it over `path`. Without
 // commit() the destructor removes the hidden file and `path` stays as it was. Hidden files left by killed processes are
 // removed by the next AtomicFile for the same `path`, once they are a minute old. Symbolic links are followed, even to
-// a file that does not exist yet; a folder, a device or a pipe is refused. Throws Error that names `path`.
+// a file that does not exist yet; a folder, a device or a pipe is refused. Where a FileGroup lives, commit() leaves the
+// renaming to it. Throws Error that names `path`.
 class AtomicFile {
  public:
   // Throws what the constructor would throw and changes nothing, so that a long computation can fail before it starts.
@@ -41,6 +44,54 @@ class AtomicFile {
   std::filesystem::path temporary_;  // empty after commit()
   std::ofstream stream_;
   std::uint64_t written_ = 0;  // bytes passed to write()
+};
+
+// Makes files that belong together appear together: while it lives, what AtomicFiles of this thread commit waits in
+// hidden files, until commit() renames all of them or, when one cannot be renamed, none. Without commit() the
+// destructor removes them. A group within another hands its files on to that. Only a process that is killed while
+// commit() renames can leave some files new and others old.
+class FileGroup {
+ public:
+  FileGroup();
+  ~FileGroup();
+  FileGroup(const FileGroup&) = delete;
+  FileGroup& operator=(const FileGroup&) = delete;
+
+  // Throws Error that names the file that cannot be replaced.
+  void commit();
+
+ private:
+  friend class AtomicFile;
+
+  struct Waiting {
+    std::filesystem::path path, target, hidden;  // `hidden` holds the new file or, once it is in place, the old one
+    bool is_new = false;                         // nothing had the target's name
+  };
+  void take_back() noexcept;
+
+  std::vector<Waiting> files_;
+  std::size_t in_place_ = 0;  // number of files that have been renamed
+  FileGroup* outer_;
+};
+
+// Shows a program all files that this thread is about to write, whatever code writes them, so that it can refuse some:
+// `check` is called with the path of each file before anything of it is written, and may throw. Of nested guards only
+// the innermost is called.
+class WriteGuard {
+ public:
+  using Check = std::function<void(const std::filesystem::path& path)>;
+
+  explicit WriteGuard(Check check);
+  ~WriteGuard();
+  WriteGuard(const WriteGuard&) = delete;
+  WriteGuard& operator=(const WriteGuard&) = delete;
+
+  // Calls this thread's guard, if there is one.
+  static void check(const std::filesystem::path& path);
+
+ private:
+  Check check_;
+  WriteGuard* outer_;
 };
 
 // Returns a string that is equal for all names of one file, with symbolic links followed: its device and file number

@@ -11,6 +11,14 @@
 #include "occlod/base.h"
 
 namespace occlod {
+
+void require_no_special_file(const std::filesystem::path& path) {
+  std::error_code unknown;
+  const std::filesystem::file_status status = std::filesystem::status(path, unknown);
+  if (std::filesystem::is_other(status) && std::filesystem::exists(status))
+    throw Error({path.string(), "", "is not a regular file", "save it to a file first"});
+}
+
 namespace {
 
 // Returns use(path); turns the system's refusals into an Error that names the path.
@@ -18,6 +26,7 @@ template <typename Use>
 auto with_path(const std::filesystem::path& path, const Use& use) try {
   return use(path.c_str());
 } catch (const std::system_error& error) {
+  require_no_special_file(path);
   throw Error({path.string(), "", fmt::format("cannot be opened: {}", error.code().message()),
                "check that the file is there and can be read"});
 }

@@ -16,6 +16,9 @@
 
 namespace occlod {
 
+// Throws Error for a pipe, a device or a socket, which would keep a reader waiting or never end.
+void require_no_special_file(const std::filesystem::path& path);
+
 class MappedFile {
  public:
   // Throws Error when there is no such regular file or it cannot be mapped.

@@ -1,6 +1,7 @@
 #include "base/platform.h"
 
 #include <fcntl.h>
+#include <pthread.h>
 #include <signal.h>
 #include <sys/file.h>
 #include <sys/mman.h>
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
@@ -121,11 +123,31 @@ ResidentMemory resident_memory() noexcept {
 
 int process_id() noexcept { return getpid(); }
 
+unsigned fork_count() noexcept {
+  static std::atomic<unsigned> count = 0;
+  [[maybe_unused]] static const int registered = pthread_atfork(nullptr, nullptr, [] { ++count; });
+  return count;
+}
+
 bool may_be_running(int process) noexcept { return kill(process, 0) == 0 || errno != ESRCH; }
 
 int why_no_files_can_be_made(const char* folder) noexcept { return access(folder, W_OK | X_OK) == 0 ? 0 : errno; }
 
-InputFile::InputFile(const char* path) : descriptor_(open(path, O_RDONLY | O_CLOEXEC)) {
+bool is_mount_point(const char* folder) noexcept {
+#ifdef STATX_ATTR_MOUNT_ROOT  // Linux
+  struct statx found {};
+  if (statx(AT_FDCWD, folder, 0, 0, &found) == 0 && (found.stx_attributes_mask & STATX_ATTR_MOUNT_ROOT) != 0)
+    return (found.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0;
+#endif
+  struct stat inside {
+  }, above{};
+  return stat(folder, &inside) == 0 && stat((std::string(folder) + "/..").c_str(), &above) == 0 &&
+         inside.st_dev != above.st_dev;
+}
+
+InputFile::InputFile(const char* path)
+    :  // A pipe would wait for somebody to write into it.
+      descriptor_(open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
   if (descriptor_ < 0) fail(errno);
   try {
     size_ = size_of_file(descriptor_);

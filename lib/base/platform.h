@@ -58,11 +58,16 @@ struct ResidentMemory {
 [[nodiscard]] ResidentMemory resident_memory() noexcept;
 
 [[nodiscard]] int process_id() noexcept;
+// Grows with every fork() in the child, which has none of the threads that began before.
+[[nodiscard]] unsigned fork_count() noexcept;
 // Returns false only when there is surely no such process on this machine.
 [[nodiscard]] bool may_be_running(int process) noexcept;
 
 // Returns 0, or the error number that keeps this process from making files in a folder.
 [[nodiscard]] int why_no_files_can_be_made(const char* folder) noexcept;
+
+// True when a file system is mounted at this folder, which then can neither be renamed nor removed.
+[[nodiscard]] bool is_mount_point(const char* folder) noexcept;
 
 // A regular file, open for reading. Failures throw std::system_error with the system's reason.
 class InputFile {

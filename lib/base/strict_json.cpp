@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "base/file_input.h"
 #include "occlod/base.h"
 
 namespace occlod {
@@ -18,6 +19,7 @@ namespace {
 using nlohmann::json;
 
 std::string read_text(const std::filesystem::path& path) {
+  require_no_special_file(path);
   std::ifstream stream(path, std::ios::binary);
   std::error_code ignored;
   if (!stream || std::filesystem::is_directory(path, ignored))

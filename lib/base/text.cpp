@@ -310,6 +310,56 @@ std::optional<std::string> to_latin1(std::string_view text) {
 
 namespace {
 
+constexpr char32_t first_byte = 0x10ff00;  // stands for the byte 0
+
+// Returns the number of bytes of the UTF-8 character at the beginning, and the character; 0 bytes for anything else.
+std::pair<std::size_t, char32_t> first_character(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char lead = byte(0);
+  const std::size_t size = lead < 0x80 ? 1 : lead < 0xc2 ? 0 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : lead < 0xf5 ? 4 : 0;
+  if (size == 0 || text.size() < size) return {0, 0};
+  char32_t c = size == 1 ? lead : lead & (0x7fU >> size);
+  for (std::size_t i = 1; i < size; ++i) {
+    if ((byte(i) & 0xc0U) != 0x80) return {0, 0};
+    c = c << 6U | (byte(i) & 0x3fU);
+  }
+  constexpr std::array<char32_t, 5> least = {0, 0, 0x80, 0x800, 0x10000};
+  const bool is_character = c >= least[size] && c <= 0x10ffff && (c < first_surrogate || c > last_surrogate);
+  return {is_character ? size : 0, c};
+}
+
+}  // namespace
+
+std::string utf8_of_bytes(std::string_view bytes) {
+  std::string text;
+  while (!bytes.empty()) {
+    const auto [size, c] = first_character(bytes);
+    const bool is_kept = size > 0 && c < first_byte;
+    if (is_kept)
+      text += bytes.substr(0, size);
+    else
+      append(first_byte + static_cast<unsigned char>(bytes[0]), text);
+    bytes.remove_prefix(is_kept ? size : 1);
+  }
+  return text;
+}
+
+std::string bytes_of_utf8(std::string_view text) {
+  std::string bytes;
+  while (!text.empty()) {
+    const auto [size, c] = first_character(text);
+    const std::size_t taken = std::max<std::size_t>(size, 1);
+    if (size > 0 && c >= first_byte)
+      bytes += static_cast<char>(c - first_byte);
+    else
+      bytes += text.substr(0, taken);
+    text.remove_prefix(taken);
+  }
+  return bytes;
+}
+
+namespace {
+
 // Returns the size of the text up to and including the last line feed that no backslash continues; 0 where there is
 // none.
 std::size_t whole_lines(std::string_view text) {

@@ -126,6 +126,10 @@ inline constexpr TextCursor::Syntax obj_syntax{.hash_comments = true, .backslash
 [[nodiscard]] std::string from_latin1(std::string_view bytes);
 // Undoes from_latin1(); returns nothing for UTF-8 with other characters.
 [[nodiscard]] std::optional<std::string> to_latin1(std::string_view text);
+// Return a text of any bytes as UTF-8, and back: bytes that are not UTF-8 become U+10FF00 to U+10FFFF, and so do those
+// of such characters. Other text stays as it is.
+[[nodiscard]] std::string utf8_of_bytes(std::string_view bytes);
+[[nodiscard]] std::string bytes_of_utf8(std::string_view text);
 
 // A text read in runs of whole lines, so that it need not be in memory as a whole.
 class TextChunks {

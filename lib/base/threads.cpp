@@ -1,5 +1,7 @@
 #include "base/threads.h"
 
+#include <memory>
+
 namespace occlod {
 namespace {
 
@@ -17,7 +19,15 @@ void wait_while(const std::atomic<std::uint32_t>& current, std::uint32_t state) 
 
 }  // namespace
 
+void CompanionThread::forget_lost_thread() noexcept {
+  if (!thread_.joinable() || !began_.is_in_child()) return;
+  std::construct_at(&thread_);  // neither joined nor detached
+  state_.store(resting, std::memory_order_relaxed);
+  failure_ = nullptr;
+}
+
 CompanionThread::~CompanionThread() {
+  forget_lost_thread();
   if (!thread_.joinable()) return;
   wait();
   state_.store(ending, std::memory_order_release);
@@ -26,8 +36,10 @@ CompanionThread::~CompanionThread() {
 }
 
 void CompanionThread::start() {
+  forget_lost_thread();
   if (!thread_.joinable()) {
     try {
+      began_ = {};
       thread_ = std::thread([this] { run(); });
     } catch (const std::system_error&) {
       work();
@@ -39,6 +51,7 @@ void CompanionThread::start() {
 }
 
 void CompanionThread::wait() noexcept {
+  forget_lost_thread();
   while (state_.load(std::memory_order_acquire) == working) wait_while(state_, working);
 }
 

@@ -17,6 +17,16 @@
 
 namespace occlod {
 
+// Tells whether the process has been forked since, so that threads which began then are not in this one: waiting for
+// them would last for ever.
+class ForkMark {
+ public:
+  [[nodiscard]] bool is_in_child() const noexcept { return fork_count() != count_; }
+
+ private:
+  unsigned count_ = fork_count();
+};
+
 // One thread beside the calling one. It spins briefly while it waits for work, so that a piece starts within a fraction
 // of a microsecond, and sleeps when there is no work for longer. Used by one thread at a time.
 class CompanionThread {
@@ -50,6 +60,7 @@ class CompanionThread {
 
   void start();
   void wait() noexcept;
+  void forget_lost_thread() noexcept;
   void run() noexcept;
   void work() noexcept;
 
@@ -57,7 +68,8 @@ class CompanionThread {
   const void* work_ = nullptr;
   void (*call_)(const void*) = nullptr;
   std::exception_ptr failure_;
-  std::thread thread_;  // started with the first work
+  std::thread thread_;  // started with the first work, and again in a child of fork()
+  ForkMark began_;      // of thread_
 };
 
 // Threads that help the calling one; the destructor waits for them.

@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "base/threads.h"
 #include "cells/cell_loads.h"
 #include "cells/vlod_format.h"
 #include "occlod/base.h"
@@ -104,6 +105,14 @@ class CellWalker::Work {
     prefetch_ = trial.prefetch;
     loads_.set_reader(std::move(trial.reader));
     if (geometry_) geometry_->set_before_read(std::move(trial.before_geometry));
+  }
+
+  // True in a process that was forked since: its loaders are not there, and may hold locks for ever.
+  [[nodiscard]] bool is_lost() const { return !threads_.empty() && began_.is_in_child(); }
+  void require_loaders() const {
+    if (is_lost())
+      throw Error({"cell walker", "", "was made before this process was forked, and its loaders are not here",
+                   "make another in this process, or give it no loaders"});
   }
 
   [[nodiscard]] CellLoads& loads() { return loads_; }
@@ -358,6 +367,7 @@ class CellWalker::Work {
   std::vector<CellLoad> ended_;
   std::shared_ptr<const CellMesh> shown_;
   WalkedFrame frame_;
+  ForkMark began_;
   std::vector<std::thread> threads_;
 };
 
@@ -366,16 +376,27 @@ CellWalker::CellWalker(std::shared_ptr<const VlodFile> file, std::span<const Ref
     : work_(std::make_unique<Work>(std::move(file), objects, options)) {}
 CellWalker::CellWalker(std::shared_ptr<const VlodFile> file, const WalkOptions& options)
     : work_(std::make_unique<Work>(std::move(file), std::span<const RefineObject>(), options)) {}
-CellWalker::~CellWalker() = default;
 
-const WalkedFrame& CellWalker::step(const glm::dvec3& eye, double seconds) { return work_->step(eye, seconds); }
-void CellWalker::set_trial(WalkTrial trial) { work_->set_trial(std::move(trial)); }
+CellWalker::~CellWalker() {
+  if (work_->is_lost()) static_cast<void>(work_.release());
+}
+
+const WalkedFrame& CellWalker::step(const glm::dvec3& eye, double seconds) {
+  work_->require_loaders();
+  return work_->step(eye, seconds);
+}
+
+void CellWalker::set_trial(WalkTrial trial) {
+  work_->require_loaders();
+  work_->set_trial(std::move(trial));
+}
 
 class CellLoader::Work {
  public:
   explicit Work(CellWalker::Work& walker) : walker_(walker), maker_(walker.maker()) {}
 
   bool begin() {
+    walker_.require_loaders();
     const auto cell = walker_.loads().take();
     if (!cell) return false;
     load_ = walker_.loads().load(*cell, maker_);

@@ -141,16 +141,33 @@ std::vector<fs::path> libraries_of(InputBytes& input, const fs::path& folder, co
   return files;
 }
 
-std::vector<fs::path> buffers_of(std::string_view bytes, const fs::path& folder) {
+// Returns the files that the elements of an array of a glTF file name, "buffers" or "images".
+std::vector<fs::path> gltf_files(const char* array, std::string_view bytes, const fs::path& folder) {
   const Json json = Json::parse(gltf_text(bytes), nullptr, false);
   std::vector<fs::path> files;
-  if (!json.is_object() || !json.contains("buffers") || !json["buffers"].is_array()) return files;
-  for (const Json& buffer : json["buffers"]) {
-    if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;
-    fs::path file = folder / file_name_of_uri(buffer["uri"].get<std::string>());
+  if (!json.is_object() || !json.contains(array) || !json[array].is_array()) return files;
+  for (const Json& element : json[array]) {
+    if (!element.is_object() || !element.contains("uri") || !element["uri"].is_string()) continue;
+    fs::path file = folder / file_name_of_uri(element["uri"].get<std::string>());
     if (is_file(file)) files.push_back(std::move(file));
   }
   return files;
+}
+
+// Adds the files in `folder` that the ends of these lines name. A name may contain blanks.
+void add_named_files(std::string_view lines, const fs::path& folder, std::vector<fs::path>& files) {
+  constexpr std::string_view blanks = " \t";
+  for (std::size_t begin = 0; begin < lines.size();) {
+    const std::size_t end = std::min(lines.find_first_of("\r\n", begin), lines.size());
+    std::string_view line = lines.substr(begin, end - begin);
+    begin = end + 1;
+    line = line.substr(0, line.find_last_not_of(blanks) + 1);
+    while (!line.empty()) {
+      line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
+      if (fs::path file = folder / with_slashes(without_quotes(line)); is_file(file)) files.push_back(std::move(file));
+      line.remove_prefix(std::min(line.find_first_of(blanks), line.size()));
+    }
+  }
 }
 
 }  // namespace
@@ -160,12 +177,39 @@ std::vector<fs::path> files_beside(const fs::path& mesh) {
   const std::optional<MeshFormat> format = find_format(mesh);
   if (format != MeshFormat::obj && format != MeshFormat::gltf) return {};
   InputBytes input(mesh, errors, {});
-  if (format == MeshFormat::gltf) return buffers_of(input.window(input.size()), mesh.parent_path());
+  if (format == MeshFormat::gltf) return gltf_files("buffers", input.window(input.size()), mesh.parent_path());
   input.skip(utf8_mark_bytes(input.window(1)));
   if (!is_wide_text(input.window(1))) return libraries_of(input, mesh.parent_path(), errors);
   std::string converted;
   InputBytes text(as_utf8(input.window(input.size()), converted, errors));
   return libraries_of(text, mesh.parent_path(), errors);
+}
+
+std::vector<fs::path> images_of(const fs::path& mesh) {
+  const FileErrors errors(mesh);
+  const fs::path folder = mesh.parent_path();
+  const std::optional<MeshFormat> format = find_format(mesh);
+  std::vector<fs::path> images;
+  if (format == MeshFormat::gltf) {
+    InputBytes input(mesh, errors, {});
+    return gltf_files("images", input.window(input.size()), folder);
+  }
+  if (format == MeshFormat::ply) {
+    InputBytes input(mesh, errors, {});
+    const std::string_view beginning = input.window(1);
+    const std::size_t end = beginning.find("end_header");
+    if (end != std::string_view::npos) add_named_files(beginning.substr(0, end), folder, images);
+  }
+  if (format != MeshFormat::obj) return images;
+  for (const fs::path& library : files_beside(mesh)) {
+    std::error_code unknown;
+    if (fs::file_size(library, unknown) == 0 || unknown) continue;
+    const FileErrors library_errors(library);
+    InputBytes input(library, library_errors, {});
+    std::string converted;
+    add_named_files(as_utf8(input.window(input.size()), converted, library_errors), library.parent_path(), images);
+  }
+  return images;
 }
 
 std::vector<std::string> library_names(std::string_view line, const fs::path& folder) {

@@ -31,6 +31,11 @@ enum class MeshFormat { ply, obj, off, stl, gltf };
 // Error for a file that cannot be read. O(size).
 [[nodiscard]] std::vector<std::filesystem::path> files_beside(const std::filesystem::path& mesh);
 
+// Returns the existing image files that the mesh names: in the material libraries of OBJ, the header of PLY, and glTF.
+// May return files that it names otherwise, since a blank may be part of a name or follow it. Returns nothing for a
+// damaged file or another format. Throws Error for a file that cannot be read. O(size).
+[[nodiscard]] std::vector<std::filesystem::path> images_of(const std::filesystem::path& mesh);
+
 // Returns the names on a mtllib line, with slashes, of files that exist in the folder: the whole line as one name, or
 // word by word.
 [[nodiscard]] std::vector<std::string> library_names(std::string_view line, const std::filesystem::path& folder);

@@ -370,9 +370,19 @@ Material material_of(const Json& json) {
   return material;
 }
 
+// Converts the names of all materials and image files, which may have any bytes.
+void convert_names(Json& json, std::string (*convert)(std::string_view)) {
+  const auto convert_in = [&](const char* array, const char* key) {
+    for (Json& element : json.at(array)) element.at(key) = convert(element.at(key).get_ref<const std::string&>());
+  };
+  convert_in("materials", "name");
+  convert_in("textures", "file");
+}
+
 std::optional<Materials> unpack(std::string_view text, std::span<const std::uint8_t> images) {
   try {
-    const Json json = Json::parse(text);
+    Json json = Json::parse(text);
+    convert_names(json, bytes_of_utf8);
     Materials result;
     const std::string origin = json.at("origin").get<std::string>();
     if (origin != "bottom_left" && origin != "top_left") return std::nullopt;
@@ -406,7 +416,7 @@ void MaterialSections::pack(std::span<const Material> materials, std::span<const
     json["textures"].push_back(to_json(texture));
     images_.insert(images_.end(), texture.bytes.begin(), texture.bytes.end());
   }
-  // Names may contain invalid UTF-8.
+  convert_names(json, utf8_of_bytes);
   text_ = json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cctype>
 #include <cstdint>
@@ -7,13 +8,16 @@
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "base/atomic_file.h"
 #include "base/file_input.h"
+#include "base/text.h"
 #include "mesh/materials.h"
 #include "mesh/mesh_files.h"
 #include "mesh/mesh_writers.h"
 #include "mesh/polygon_soup.h"
+#include "occlod/base.h"
 #include "occlod/mesh_file.h"
 
 namespace occlod {
@@ -55,6 +59,31 @@ std::vector<std::string> material_names(const TriangleMesh& mesh) {
   return names;
 }
 
+// Returns the name of a file as a line of text holds it, so that readers find the file: a first character that means
+// something else to them comes after "./". Throws Error for a name that no line can end with.
+std::string name_in_text(const std::string& file) {
+  if (file.empty()) return file;
+  const auto is_control = [](unsigned char c) { return c < ' ' || c == 0x7f; };
+  if (std::ranges::any_of(file, is_control) || file.back() == ' ' || file.back() == '\\')
+    throw Error({fmt::format("the file name {}", in_quotes(file)), "",
+                 "has a control character, or a blank or backslash at its end, which OBJ and PLY files cannot hold",
+                 "rename that file, or write .glb"});
+  constexpr std::string_view special = "#- \"";
+  return special.find(file.front()) == std::string_view::npos ? file : "./" + file;
+}
+
+// Returns the shortest digits of an sRGB value that readers convert to this linear one.
+std::string encoded(float linear) {
+  const double value = linear_to_srgb(static_cast<double>(linear));
+  for (int digits = 1; digits < 17; ++digits) {
+    const std::string text = fmt::format("{:.{}g}", value, digits);
+    double read = 0.0;
+    static_cast<void>(parse_double(text.data(), text.data() + text.size(), read));
+    if (static_cast<float>(srgb_to_linear(read)) == std::clamp(linear, 0.0F, 1.0F)) return text;
+  }
+  return fmt::format("{}", value);
+}
+
 void write_mtl(const TriangleMesh& mesh, const std::vector<std::string>& names, const fs::path& mesh_path) {
   const std::vector<std::string> files = texture_files(mesh, mesh_path);
   AtomicFile file(fs::path(mesh_path).replace_extension(".mtl"));
@@ -62,13 +91,12 @@ void write_mtl(const TriangleMesh& mesh, const std::vector<std::string>& names, 
   for (std::size_t m = 0; m < mesh.materials.size(); ++m) {
     const Material& material = mesh.materials[m];
     const glm::vec4& color = material.base_color;
-    const auto encoded = [](float linear) { return linear_to_srgb(static_cast<double>(linear)); };
     out.text("newmtl {}\nKd {} {} {}\n", names[m], encoded(color.r), encoded(color.g), encoded(color.b));
     if (color.a != 1.0F) out.text("d {}\n", color.a);
     if (material.texture == no_texture) continue;
     const Texture& texture = mesh.textures[material.texture];
     const bool clamps = texture.wrap_s == TextureWrap::clamp && texture.wrap_t == TextureWrap::clamp;
-    out.text("map_Kd {}{}\n", clamps ? "-clamp on " : "", files[material.texture]);
+    out.text("map_Kd {}{}\n", clamps ? "-clamp on " : "", name_in_text(files[material.texture]));
   }
   out.flush();
   file.commit();
@@ -135,7 +163,7 @@ void write_obj(ChunkedWriter& out, const TriangleMesh& mesh, const fs::path& pat
   const std::vector<std::string> names = material_names(mesh);
   if (!names.empty()) {
     write_mtl(mesh, names, path);
-    out.text("mtllib {}\n", path.filename().replace_extension(".mtl").string());
+    out.text("mtllib {}\n", name_in_text(path.filename().replace_extension(".mtl").string()));
   }
   write_vertices(out, mesh);
   write_attributes(out, mesh);
@@ -191,7 +219,7 @@ bool needs_texture_numbers(const TriangleMesh& mesh) {
 void write_ply_header(ChunkedWriter& out, const TriangleMesh& mesh, const WrittenCounts& counts,
                       const std::filesystem::path& path) {
   out.text("ply\nformat binary_little_endian 1.0\n");
-  for (const std::string& file : texture_files(mesh, path)) out.text("comment TextureFile {}\n", file);
+  for (const std::string& file : texture_files(mesh, path)) out.text("comment TextureFile {}\n", name_in_text(file));
   out.text("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n", counts.vertices);
   if (!mesh.normals.empty()) out.text("property float nx\nproperty float ny\nproperty float nz\n");
   if (!mesh.colors.empty()) {
@@ -332,6 +360,7 @@ void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
   assert(mesh.colors.empty() || mesh.colors.size() == mesh.wedge_count());
   assert(mesh.texture_coordinates.empty() || mesh.texture_coordinates.size() == mesh.wedge_count());
   const MeshFormat format = format_to_write(path);
+  FileGroup together;  // with the material library and the images
   AtomicFile file(path);
   ChunkedWriter out(file);
   switch (format) {
@@ -353,6 +382,7 @@ void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
   }
   out.flush();
   file.commit();
+  together.commit();
 }
 
 }  // namespace occlod

@@ -152,11 +152,16 @@ void append_texture_coordinates(TriangleMesh& all, const TriangleMesh& mesh, Ver
 // Appends everything except materials. Once any mesh has texture coordinates, earlier vertices without them get (0, 0).
 void append_placed(TriangleMesh& all, const TriangleMesh& mesh, const glm::dmat4& object_to_world) {
   const auto first = static_cast<VertexId>(all.positions.size());
-  for (const glm::vec3& p : mesh.positions) all.positions.emplace_back(object_to_world * glm::dvec4(p, 1.0));
   const glm::dmat3 linear(object_to_world);
-  const glm::dmat3 normals_to_world = glm::transpose(glm::inverse(linear));
-  for (const glm::vec3& normal : mesh.normals)
-    all.normals.emplace_back(glm::normalize(normals_to_world * glm::dvec3(normal)));
+  if (object_to_world == glm::dmat4(1.0)) {  // to the bit, as when the mesh is read alone
+    all.positions.insert(all.positions.end(), mesh.positions.begin(), mesh.positions.end());
+    all.normals.insert(all.normals.end(), mesh.normals.begin(), mesh.normals.end());
+  } else {
+    for (const glm::vec3& p : mesh.positions) all.positions.emplace_back(object_to_world * glm::dvec4(p, 1.0));
+    const glm::dmat3 normals_to_world = glm::transpose(glm::inverse(linear));
+    for (const glm::vec3& normal : mesh.normals)
+      all.normals.emplace_back(glm::normalize(normals_to_world * glm::dvec3(normal)));
+  }
   all.colors.insert(all.colors.end(), mesh.colors.begin(), mesh.colors.end());
   append_texture_coordinates(all, mesh, first);
   const bool is_mirrored = glm::determinant(linear) < 0.0;

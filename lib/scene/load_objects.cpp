@@ -15,6 +15,7 @@
 #include <string>
 #include <utility>
 
+#include "base/file_input.h"
 #include "mesh/mesh_files.h"
 #include "occlod/base.h"
 #include "occlod/build_hierarchy.h"
@@ -63,6 +64,7 @@ class Hasher {
   void add(const void* bytes, std::size_t size) { XXH3_128bits_update(state_.get(), bytes, size); }
   // Also adds the length, so that what follows needs no separator.
   void add_file(const fs::path& path) {
+    require_no_special_file(path);
     std::ifstream stream(path, std::ios::binary);
     std::array<char, 1 << 16> block;
     std::uint64_t bytes = 0;

@@ -319,8 +319,14 @@ void write_scene(const std::filesystem::path& path, const SceneDescription& scen
   for (const auto& [name, camera] : scene.cameras) document["cameras"][name] = camera_json(camera);
   for (const auto& [name, camera_path] : scene.paths) document["paths"][name] = path_json(camera_path);
   if (scene.cells) document["cells"] = cells_json(*scene.cells);
+  std::string text;
+  try {
+    text = document.dump(1);
+  } catch (const Json::exception&) {
+    throw Error({path.string(), "", "would have a name that is not UTF-8, which JSON cannot hold", "rename that file"});
+  }
   AtomicFile file(path);
-  file.stream() << document.dump(1) << '\n';
+  file.stream() << text << '\n';
   file.commit();
 }
 

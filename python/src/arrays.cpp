@@ -1,9 +1,9 @@
 #include "arrays.h"
 
-#include <nanobind/stl/string.h>
-
 #include <cstring>
 #include <string>
+
+#include "text.h"
 
 namespace occlod::python {
 namespace {

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "gil.h"
 #include "occlod/mesh.h"
 
 namespace occlod::python {

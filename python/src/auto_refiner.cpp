@@ -5,13 +5,13 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <filesystem>
 
 #include "arrays.h"
 #include "refining.h"
+#include "text.h"
 
 namespace occlod::python {
 namespace {
@@ -83,14 +83,14 @@ void bind_calibration(nb::module_& m) {
           "measure",
           [](const std::vector<std::string>& backends) {
             const auto made = make_backends(backends);
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             return measure_calibration(made);
           },
           "backends"_a = std::vector<std::string>{"software"}, "On this machine, now: some 150 ms.")
       .def_static(
           "read",
           [](const std::filesystem::path& path) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             return read_calibration(path);
           },
           "path"_a, "From JSON. Error names the file and the place of what is missing, unknown or wrong.")
@@ -147,7 +147,7 @@ void bind_auto_refiner(nb::module_& m) {
              const std::vector<std::string>& backends) {
             std::vector<PlacedObject> placed = to_objects(objects);
             std::vector<std::unique_ptr<Visibility>> made = make_backends(backends);
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             new (self) PythonAutoRefiner{std::make_shared<State>(std::move(placed), calibration, std::move(made))};
           },
           "objects"_a, nb::kw_only(), "calibration"_a = nb::none(), "backends"_a = std::vector<std::string>{"software"},
@@ -167,7 +167,7 @@ void bind_auto_refiner(nb::module_& m) {
       .def(
           "report",
           [](const PythonAutoRefiner& r) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             const std::scoped_lock lock(r.state->in_use);
             return report_of(r.state->refiner);
           },

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "gil.h"
 #include "occlod/base.h"
 #include "occlod/hierarchy.h"
 #include "occlod/mesh.h"

@@ -4,7 +4,6 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
@@ -16,6 +15,7 @@
 #include "cell_cut.h"
 #include "occlod/build_cells.h"
 #include "refining.h"
+#include "text.h"
 #include "vlod.h"
 
 namespace occlod::python {
@@ -55,7 +55,7 @@ std::unique_ptr<PythonCellCut> cut_of(const PythonVlodFile& self, CellId leaf) {
   const CellNode& node = node_of(self, leaf);
   if (!self.file->tree().is_leaf(leaf)) throw nb::index_error("no leaf: it has cells below it");
   if (!self.objects) throw nb::value_error("it was opened without objects");
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   CellCut cut;
   cut.objects = read_cell(*self.file, self.objects->refine_objects(), leaf);
   cut.triangles = node.triangles;
@@ -115,7 +115,7 @@ void bind_build(nb::module_& m) {
           "__init__",
           [](PythonCellBuild* self, nb::object objects, const CellTreeOptions& options) {
             std::vector<PlacedObject> placed = to_objects(objects);
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             new (self) PythonCellBuild(std::move(placed), options);
           },
           "objects"_a, "options"_a,
@@ -140,7 +140,7 @@ void bind_build(nb::module_& m) {
       .def(
           "has_part",
           [](const PythonCellBuild& self, const fs::path& part, const Range& range) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             return self.build.has_part(part, range_of(range));
           },
           "part"_a, "range"_a, "Whether the file is there, whole, and what write_part() would write. O(bytes).")
@@ -149,7 +149,7 @@ void bind_build(nb::module_& m) {
           [](PythonCellBuild& self, const fs::path& part, const Range& range, int threads,
              const std::optional<nb::callable>& progress) {
             const auto show = or_nothing(progress);
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             const std::scoped_lock lock(self.in_use);
             self.build.write_part(part, range_of(range), threads, show);
           },
@@ -160,7 +160,7 @@ void bind_build(nb::module_& m) {
           "write",
           [](PythonCellBuild& self, const fs::path& path, int threads, const std::optional<nb::callable>& progress) {
             const auto show = or_nothing(progress);
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             const std::scoped_lock lock(self.in_use);
             self.build.write(path, threads, show);
           },
@@ -171,7 +171,7 @@ void bind_build(nb::module_& m) {
   m.def(
       "merge_cells",
       [](const std::vector<fs::path>& parts, const fs::path& path) {
-        const nb::gil_scoped_release release;
+        const ReleasedGil release;
         merge_cells(parts, path);
       },
       "parts"_a, "path"_a,
@@ -214,7 +214,7 @@ void bind_file(nb::module_& m) {
           [](const PythonVlodFile& f, const fs::path& path, const std::optional<nb::callable>& progress) {
             if (!f.objects) throw nb::value_error("it was opened without objects");
             const auto show = or_nothing(progress);
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             pack_cells(*f.file, f.objects->refine_objects(), path, show);
           },
           "path"_a, nb::kw_only(), "progress"_a = nb::none(),
@@ -244,7 +244,7 @@ void bind_file(nb::module_& m) {
 PythonVlodFile open_file(const fs::path& path, nb::handle objects) {
   std::shared_ptr<const KeptObjects> kept;
   if (!objects.is_none()) kept = std::make_shared<KeptObjects>(to_objects(objects));
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   return {kept ? open_vlod(path, kept->refine_objects()) : open_vlod(path), kept};
 }
 

@@ -3,7 +3,6 @@
 
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
@@ -17,6 +16,7 @@
 
 #include "arrays.h"
 #include "materials.h"
+#include "text.h"
 #include "view_like.h"
 #include "vlod.h"
 
@@ -62,7 +62,7 @@ std::unique_ptr<PythonWalkedFrame> step(PythonCellWalker& self, const glm::dvec3
   if (!std::isfinite(eye.x) || !std::isfinite(eye.y) || !std::isfinite(eye.z))
     throw nb::value_error("eye: is not finite");
   if (!(seconds >= 0.0) || !std::isfinite(seconds)) throw nb::value_error("seconds: is not a finite number >= 0");
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   const std::scoped_lock lock(self.in_use);
   auto result = std::make_unique<PythonWalkedFrame>();
   result->frame = self.walker.step(eye, seconds);
@@ -72,7 +72,7 @@ std::unique_ptr<PythonWalkedFrame> step(PythonCellWalker& self, const glm::dvec3
 }
 
 std::size_t load(PythonCellWalker& self, std::size_t most) {
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   const std::scoped_lock lock(self.in_use);
   std::size_t loads = 0;
   for (; loads < most && self.loader.begin(); ++loads) self.loader.finish();
@@ -194,7 +194,7 @@ void bind_cell_walker(nb::module_& m) {
             PythonVlodFile opened = std::holds_alternative<PythonVlodFile*>(file)
                                         ? *std::get<PythonVlodFile*>(file)
                                         : open_file(std::get<fs::path>(file), objects);
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             new (self) PythonCellWalker(std::move(opened), options);
           },
           "file"_a, "objects"_a = nb::none(), nb::kw_only(), "memory"_a = standard.memory,

@@ -40,7 +40,7 @@ struct PythonCellBuilder {
 };
 
 std::unique_ptr<PythonCellCut> build(PythonCellBuilder& self, const CellBox& cell) {
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   const std::scoped_lock lock(self.in_use);
   return std::make_unique<PythonCellCut>(PythonCellCut{self.builder.build(cell), self.objects});
 }
@@ -279,7 +279,7 @@ void bind_cells(nb::module_& m) {
           "__init__",
           [](PythonOccluders* self, nb::object objects, double max_motion) {
             const KeptObjects kept(to_objects(objects));
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             new (self) PythonOccluders{CellOccluders(kept.refine_objects(), max_motion)};
           },
           "objects"_a, "max_motion"_a,
@@ -291,7 +291,7 @@ void bind_cells(nb::module_& m) {
       .def(
           "hides",
           [](const PythonOccluders& o, const CellBox& eyes, const CellBox& what, double near_reach) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             return o.occluders.hides(eyes, what, near_reach);
           },
           "eyes"_a, "what"_a, "near_reach"_a = 0.0,
@@ -305,7 +305,7 @@ void bind_cells(nb::module_& m) {
           [](PythonCellBuilder* self, nb::object objects, std::shared_ptr<const PythonOccluders> occluders,
              const std::optional<CellOptions>& options) {
             std::vector<PlacedObject> placed = to_objects(objects);
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             new (self) PythonCellBuilder(std::move(placed), std::move(occluders), options.value_or(CellOptions{}));
           },
           "objects"_a, "occluders"_a.none() = nb::none(), "options"_a = nb::none(),

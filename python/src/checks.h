@@ -1,10 +1,10 @@
 // What Hierarchy and Hlod have alike: they are checked, compared with a mesh, and named in one line.
 #pragma once
 
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include "bindings.h"
+#include "text.h"
 
 namespace occlod::python {
 
@@ -20,21 +20,21 @@ void bind_checks(nb::class_<Structure>& type, const CheckWords& words, Number st
   type.def(
           "require_all",
           [](const Structure& structure) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             structure.require_all();
           },
           words.require_all)
       .def(
           "validate",
           [](const Structure& structure, Number random) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             return validate(structure, random);
           },
           nb::kw_only(), nb::arg(words.random) = standard, "One line for each violated invariant; none when all hold.")
       .def(
           "restores",
           [](const Structure& structure, const TriangleMesh& mesh) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             require_valid(mesh);
             return restores(structure, mesh);
           },

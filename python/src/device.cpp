@@ -3,9 +3,10 @@
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/string.h>
 
+#include "gil.h"
 #include "occlod/device.h"
+#include "text.h"
 #ifdef OCCLOD_HAS_GL
 #include "occlod/gl.h"
 #endif
@@ -53,14 +54,14 @@ std::shared_ptr<PythonDevice> make_gl(bool /*quality*/) {
 #endif
 
 ItemBuffer picture(PythonDevice& device) {
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   const std::scoped_lock lock(device.in_use);
   if (device.drawn == nullptr) throw Error({"device", "", "has drawn nothing", "draw a frame first"});
   return device.picture();
 }
 
 DeviceCosts measured_costs(PythonDevice& device) {
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   const std::scoped_lock lock(device.in_use);
   return device.needed_costs();
 }

@@ -2,7 +2,6 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <bit>
@@ -17,6 +16,7 @@
 #include "checks.h"
 #include "materials.h"
 #include "occlod/build_hierarchy.h"
+#include "text.h"
 
 namespace occlod::python {
 namespace {
@@ -33,7 +33,7 @@ Hierarchy build(const TriangleMesh& mesh, std::size_t base_triangles, double bou
                 ErrorBound error_bound, int threads, const std::optional<nb::callable>& progress) {
   BuildOptions options{base_triangles, boundary_weight, attribute_weight, error_bound, threads, {}};
   options.progress = progress_of(progress ? nb::handle(*progress) : nb::handle(Py_None));
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   return build_hierarchy(mesh, options);
 }
 
@@ -56,7 +56,7 @@ auto node_floats(std::size_t offset) {
 Array2<std::uint32_t, 2> collapses(const Hierarchy& hierarchy) {
   std::vector<std::uint32_t> pairs;
   {
-    const nb::gil_scoped_release release;
+    const ReleasedGil release;
     hierarchy.require_all();
     pairs.reserve(2 * hierarchy.split_count());
     for (std::size_t s = hierarchy.split_count(); s-- > 0;) {
@@ -97,7 +97,7 @@ std::vector<std::uint32_t> find(const Hierarchy& hierarchy, const std::vector<gl
 HierarchyCut cut(const Hierarchy& hierarchy, std::optional<std::size_t> triangles, std::optional<double> error) {
   if (triangles && error) throw nb::value_error("give a number of triangles or an error, not both");
   if (error && !(*error >= 0.0)) throw nb::value_error("an error is at least 0, in object units");
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   if (triangles) return {hierarchy, cut_to_triangles(hierarchy, *triangles)};
   if (error) return {hierarchy, cut_to_error(hierarchy, *error)};
   return {hierarchy, full_cut(hierarchy)};
@@ -167,7 +167,7 @@ void bind_cut(nb::module_& m) {
       .def(
           "mesh",
           [](const HierarchyCut& c) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             return cut_mesh(c.hierarchy, c.cut);
           },
           "A Mesh of its own with wedges, materials and textures, without vertices that no triangle uses. O(n).")
@@ -288,7 +288,7 @@ void bind_hierarchy(nb::module_& m) {
             const std::vector<glm::vec3> values = to_vectors(positions, "positions");
             std::vector<std::uint32_t> found;
             {
-              const nb::gil_scoped_release release;
+              const ReleasedGil release;
               found = find(h, values);
             }
             return array_of(std::move(found));
@@ -301,7 +301,7 @@ void bind_hierarchy(nb::module_& m) {
           "write",
           [](const Hierarchy& h, const std::filesystem::path& path, const std::optional<MeshReport>& report,
              OlodCompression compression) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             write_olod(path, h, report.value_or(MeshReport{}), compression);
           },
           "path"_a, nb::kw_only(), "report"_a = nb::none(), "compression"_a = OlodCompression::none,
@@ -327,7 +327,7 @@ void bind_hierarchy(nb::module_& m) {
   m.def(
       "read_hierarchy_and_report",
       [](const std::filesystem::path& path, OlodAccess access) {
-        const nb::gil_scoped_release release;
+        const ReleasedGil release;
         OlodFile file = read_olod(path, access);
         return std::pair<Hierarchy, MeshReport>(std::move(file.hierarchy), file.report);
       },

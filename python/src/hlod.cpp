@@ -4,7 +4,6 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <filesystem>
@@ -14,6 +13,7 @@
 #include "checks.h"
 #include "occlod/build_hlod.h"
 #include "occlod/node_store.h"
+#include "text.h"
 
 namespace occlod::python {
 namespace {
@@ -191,7 +191,7 @@ void bind_hlod_class(nb::module_& m) {
           "write",
           [](const Hlod& h, const std::filesystem::path& path, const std::optional<MeshReport>& report,
              OlodCompression compression) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             write_ohlod(path, h, report.value_or(MeshReport{}), compression);
           },
           "path"_a, nb::kw_only(), "report"_a = nb::none(), "compression"_a = OlodCompression::zstd,
@@ -241,7 +241,7 @@ void bind_hlod(nb::module_& m) {
           throw nb::value_error("journal: names no file; give a path, or None for a build without a journal");
         options.journal = journal.value_or(std::filesystem::path());
         options.progress = progress_of(progress ? nb::handle(*progress) : nb::handle(Py_None));
-        const nb::gil_scoped_release release;
+        const ReleasedGil release;
         return hlod::build_hlod(mesh, options);
       },
       "mesh"_a, nb::kw_only(), "node_triangles"_a = standard.node_triangles, "grouping"_a = standard.grouping,
@@ -258,7 +258,7 @@ void bind_hlod(nb::module_& m) {
   m.def(
       "read_hlod_and_report",
       [](const std::filesystem::path& path, OlodAccess access) {
-        const nb::gil_scoped_release release;
+        const ReleasedGil release;
         OhlodFile file = read_ohlod(path, access);
         return std::pair<Hlod, MeshReport>(std::move(file.hlod), file.report);
       },

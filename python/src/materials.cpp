@@ -2,12 +2,12 @@
 #include "materials.h"
 
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
 #include <tuple>
 
 #include "bindings.h"
+#include "text.h"
 
 namespace occlod::python {
 namespace {

@@ -4,7 +4,6 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
@@ -20,6 +19,7 @@
 #include "materials.h"
 #include "occlod/generate.h"
 #include "occlod/mesh_file.h"
+#include "text.h"
 
 namespace occlod::python {
 namespace {
@@ -136,7 +136,7 @@ TriangleMesh generate_by_keywords(const std::string& generator, const nb::kwargs
     const auto parameter = nb::cast<std::string>(name);
     if (!nb::try_cast(value, values[parameter])) throw nb::type_error((parameter + " is not a number").c_str());
   }
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   return generate(generator, values);
 }
 
@@ -299,7 +299,7 @@ void bind_mesh(nb::module_& m) {
       .def(
           "clean",
           [](const TriangleMesh& mesh) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             require_valid(mesh);
             CleanMesh result = clean(mesh, MeshReport{}, "mesh");
             return std::pair<TriangleMesh, MeshReport>(std::move(result.mesh), result.report);
@@ -310,7 +310,7 @@ void bind_mesh(nb::module_& m) {
       .def(
           "report",
           [](const TriangleMesh& mesh) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             require_valid(mesh);
             MeshReport report;
             report.vertices_read = mesh.vertex_count();
@@ -322,7 +322,7 @@ void bind_mesh(nb::module_& m) {
       .def(
           "write",
           [](const TriangleMesh& mesh, const std::filesystem::path& path) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             require_valid(mesh);
             write_mesh(path, mesh);
           },
@@ -336,7 +336,7 @@ void bind_mesh(nb::module_& m) {
       "read_mesh_and_report",
       [](const std::filesystem::path& path, const std::optional<nb::callable>& progress) {
         const auto step = progress_of(progress ? nb::handle(*progress) : nb::handle(Py_None));
-        const nb::gil_scoped_release release;
+        const ReleasedGil release;
         CleanMesh result = read_mesh(path, [&](double done) { step(done); });
         return std::pair<TriangleMesh, MeshReport>(std::move(result.mesh), result.report);
       },

@@ -1,11 +1,11 @@
 // The module occlod._occlod: all that is bound. What users import is the package occlod.
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/string.h>
 
 #include <exception>
 
 #include "bindings.h"
 #include "occlod/base.h"
+#include "text.h"
 
 namespace occlod::python {
 namespace {
@@ -26,7 +26,7 @@ void raise_error(const std::exception_ptr& thrown, void*) {
 
 std::function<bool(double)> progress_of(nb::handle progress) {
   return [progress](double done) {
-    const nb::gil_scoped_acquire gil;
+    const HeldGil gil;
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
     if (!progress.is_none()) progress(done);
     return true;
@@ -42,6 +42,7 @@ NB_MODULE(_occlod, m) {
 #endif
   m.doc() = "The C++ library, bound. Import occlod instead.";
   nanobind::register_exception_translator(raise_error);
+  handle_exit();
   m.def(
       "version", [] { return std::string(occlod::version()); }, "MAJOR.MINOR.PATCH of the C++ library.");
   bind_materials(m);

@@ -57,7 +57,7 @@ std::vector<DrawObject> parts_of(const DrawObjects& objects) {
 ItemBuffer draw(const DrawObjects& objects, const ViewLike& view) {
   const std::vector<DrawObject> parts = parts_of(objects);
   const View seen = view.get();
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   for (const DrawObject& part : parts) require_indices(part);
   ItemBuffer items;
   draw_items(items, parts, seen);
@@ -155,7 +155,7 @@ void bind_images(nb::module_& m) {
         const View seen = view.get();
         Image image;
         {
-          const nb::gil_scoped_release release;
+          const ReleasedGil release;
           require_size(items.depth, seen);
           require_same_objects(items, parts);
           for (const DrawObject& part : parts) require_indices(part);
@@ -180,7 +180,7 @@ void bind_images(nb::module_& m) {
           require_same_objects(items, parts);
           for (const DrawObject& part : parts) require_indices(part);
           const View seen = view ? view->get() : View(birdseye_camera(parts, main));
-          const nb::gil_scoped_release release;
+          const ReleasedGil release;
           image = birdseye(parts, items, main, seen);
         }
         return to_array(std::move(image));
@@ -194,7 +194,7 @@ void bind_images(nb::module_& m) {
       "write_png",
       [](const std::filesystem::path& path, const PixelsIn& pixels) {
         const Image image = to_image(pixels);
-        const nb::gil_scoped_release release;
+        const ReleasedGil release;
         write_png(path, image);
       },
       "path"_a, "image"_a,
@@ -227,7 +227,7 @@ void bind_comparisons(nb::module_& m) {
         for (const Image* i : {&one, &other})
           if (i->width != seen.width() || i->height != seen.height())
             throw Error({"image", "", "has another size than the view", "shade it for this view"});
-        const nb::gil_scoped_release release;
+        const ReleasedGil release;
         return compare_pictures(seen, items.depth, one, reference.depth, other);
       },
       "view"_a, "items"_a, "image"_a, "reference"_a, "reference_image"_a,
@@ -240,7 +240,7 @@ void bind_comparisons(nb::module_& m) {
         const View seen = view.get();
         require_size(expected.depth, seen);
         require_size(found.depth, seen);
-        const nb::gil_scoped_release release;
+        const ReleasedGil release;
         return count_unexplained_pixels(seen, expected.depth, found.depth, allowed_px);
       },
       "view"_a, "expected"_a, "found"_a, "allowed_px"_a,
@@ -251,7 +251,7 @@ void bind_comparisons(nb::module_& m) {
         const View seen = view.get();
         require_size(before.depth, seen);
         require_size(after.depth, seen);
-        const nb::gil_scoped_release release;
+        const ReleasedGil release;
         return measure_popping(seen, before.depth, after.depth);
       },
       "view"_a, "before"_a, "after"_a, "The meshes of two consecutive frames, both drawn for the later one's view.");

@@ -3,7 +3,6 @@
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
@@ -12,6 +11,7 @@
 #include "arrays.h"
 #include "occlod/build_hierarchy.h"
 #include "refining.h"
+#include "text.h"
 
 namespace occlod::python {
 namespace {
@@ -285,7 +285,7 @@ void bind_refiner(nb::module_& m) {
             if (object >= r.state->objects->objects().size()) throw nb::index_error("there is no such object");
             std::vector<std::uint32_t> ages;
             {
-              const nb::gil_scoped_release release;
+              const ReleasedGil release;
               const std::scoped_lock lock(r.state->in_use);
               ages = r.state->refiner.visibility_ages(object);
             }

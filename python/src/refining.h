@@ -89,11 +89,11 @@ struct RefinerState {
 // Nobody waits for that lock with the GIL in hand.
 template <typename Refining, typename Lock, typename Call>
 std::shared_ptr<Result> run(const std::shared_ptr<RefinerState<Refining>>& state, const Lock& lock, const Call& call) {
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   const auto locked = lock();
   if (const std::shared_ptr<Result> last = state->last.lock()) {
     state->last.reset();
-    const nb::gil_scoped_acquire acquire;  // Python may be reading it
+    const HeldGil acquire;  // Python may be reading it
     last->keep(state->refiner.take_result());
   }
   const Refinement& refinement = call();
@@ -106,7 +106,7 @@ std::shared_ptr<Result> run(const std::shared_ptr<RefinerState<Refining>>& state
 template <typename Refining>
 void set_transform(Refining& refining, std::size_t object, const ArrayLike& transform) {
   const glm::dmat4 matrix = to_matrix(transform, "transform");
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   const std::scoped_lock lock(refining.state->in_use);
   refining.state->refiner.set_transform(object, matrix);
   refining.state->objects->place(object, matrix);

@@ -5,7 +5,6 @@
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
@@ -14,6 +13,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "device.h"
+#include "text.h"
 
 namespace occlod::python {
 namespace {
@@ -23,7 +23,7 @@ using namespace nb::literals;
 // As progress_of(), with what is being done.
 std::function<void(const std::string&, double)> step_of(nb::handle progress) {
   return [progress](const std::string& what, double done) {
-    const nb::gil_scoped_acquire gil;
+    const HeldGil gil;
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
     if (!progress.is_none()) progress(what, done);
   };
@@ -36,7 +36,7 @@ nb::handle or_none(const std::optional<nb::callable>& callable) {
 std::function<void(const std::string&)> note_of(const std::optional<nb::callable>& note) {
   if (!note) return {};
   return [told = or_none(note)](const std::string& line) {
-    const nb::gil_scoped_acquire gil;
+    const HeldGil gil;
     told(line);
   };
 }
@@ -49,7 +49,7 @@ std::vector<PlacedObject> load(const SceneDescription& scene, const std::filesys
   options.use_cache = use_cache;
   options.progress = step_of(or_none(progress));
   options.note = note_of(note);
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   std::vector<PlacedObject> result;
   for (const LoadedObject& object : load_objects(scene, folder, options))
     result.push_back(
@@ -62,7 +62,7 @@ std::vector<HlodObject> load_hlods(const SceneDescription& scene, const std::fil
                                    const std::optional<nb::callable>& note) {
   options.progress = step_of(or_none(progress));
   options.note = note_of(note);
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   std::vector<HlodObject> result;
   for (const LoadedHlod& object : occlod::load_hlods(scene, folder, options))
     result.push_back({*object.hlod, object.object_to_world, object.two_sided, object.source_name});
@@ -153,14 +153,14 @@ void bind_scene(nb::module_& m) {
       .def_static(
           "read",
           [](const std::filesystem::path& path) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             return read_scene(path);
           },
           "path"_a, "A scene file. Error names the file and the JSON path of the mistake.")
       .def_static(
           "describe",
           [](const std::filesystem::path& path) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             return describe_file(path);
           },
           "path"_a, "A scene file; or of a mesh or .olod file a scene of that one object without cameras.")
@@ -206,7 +206,7 @@ void bind_scene(nb::module_& m) {
              const std::optional<nb::callable>& progress) {
             const auto step = step_of(or_none(progress));
             const std::filesystem::path from = folder_of(scene, folder);
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             CleanMesh result = flatten_scene(scene, from, step);
             return std::pair<TriangleMesh, MeshReport>(std::move(result.mesh), result.report);
           },

@@ -1,7 +1,6 @@
 // HLODs at their places, and what is drawn of them.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
@@ -13,6 +12,7 @@
 #include "bindings.h"
 #include "device.h"
 #include "occlod/traverser.h"
+#include "text.h"
 #include "view_like.h"
 
 namespace occlod::python {
@@ -80,7 +80,7 @@ std::unique_ptr<PythonFrame> draw_frame(PythonTraverser& self, const ViewLike& v
                                         const std::optional<TraverseOptions>& options) {
   const View seen = view.get();
   TraverseOptions chosen = options.value_or(TraverseOptions{});
-  const nb::gil_scoped_release release;
+  const ReleasedGil release;
   const std::scoped_lock lock(self.in_use, device.in_use);
   if (hlod::needs_costs(chosen.strategy)) chosen.costs = device.needed_costs();
   device.drawn = self.hlods;
@@ -233,7 +233,7 @@ void bind_traverse(nb::module_& m) {
           "set_transform",
           [](PythonTraverser& t, std::size_t object, const ArrayLike& transform) {
             const glm::dmat4 matrix = to_matrix(transform, "transform");
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             const std::scoped_lock lock(t.in_use);
             t.traverser.set_transform(object, matrix);
           },
@@ -241,7 +241,7 @@ void bind_traverse(nb::module_& m) {
       .def(
           "reset",
           [](PythonTraverser& t) {
-            const nb::gil_scoped_release release;
+            const ReleasedGil release;
             const std::scoped_lock lock(t.in_use);
             t.traverser.reset();
           },

@@ -2,11 +2,11 @@
 #include "occlod/visibility.h"
 
 #include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include "bindings.h"
 #include "refining.h"
+#include "text.h"
 #ifdef OCCLOD_HAS_GL
 #include "occlod/gl.h"
 #endif

@@ -223,6 +223,80 @@ TEST(WriteMonitor, EndsTheWritingAtAnyPointWithTheOldFileInPlace) {
   }
 }
 
+void write_text(const fs::path& path, const std::string& text) {
+  AtomicFile file(path);
+  file.stream() << text;
+  file.commit();
+}
+
+TEST(FileGroup, AppearsTogetherOnCommit) {
+  const test::TestFolder folder;
+  const fs::path old = folder.write("old", "1"), fresh = folder.path() / "fresh";
+  {
+    FileGroup group;
+    write_text(old, "2");
+    write_text(fresh, "2");
+    EXPECT_EQ(test::bytes_of(old), "1");
+    EXPECT_FALSE(fs::exists(fresh));
+  }
+  EXPECT_EQ(test::bytes_of(old), "1");
+  EXPECT_EQ(test::files_in(folder.path()), 1u);
+  {
+    FileGroup outer;
+    {
+      FileGroup inner;
+      write_text(fresh, "3");
+      inner.commit();  // left to the outer one
+    }
+    EXPECT_FALSE(fs::exists(fresh));
+    write_text(old, "3");
+    write_text(old, "4");
+    outer.commit();
+  }
+  EXPECT_EQ(test::bytes_of(old), "4");
+  EXPECT_EQ(test::bytes_of(fresh), "3");
+  EXPECT_EQ(test::files_in(folder.path()), 2u);
+}
+
+// A folder takes the name of the last file after that has been written.
+TEST(FileGroup, LeavesEverythingWhenOneFileCannotBeReplaced) {
+  const test::TestFolder folder;
+  const fs::path old = folder.write("old", "1"), fresh = folder.path() / "fresh", taken = folder.path() / "taken";
+  {
+    FileGroup group;
+    write_text(old, "2");
+    write_text(old, "3");
+    write_text(fresh, "3");
+    write_text(taken, "3");
+    fs::create_directories(taken / "full");
+    EXPECT_THROW(group.commit(), Error);
+    EXPECT_EQ(test::bytes_of(old), "1");
+    EXPECT_FALSE(fs::exists(fresh));
+  }
+  EXPECT_EQ(test::bytes_of(old), "1");
+  EXPECT_TRUE(fs::is_directory(taken / "full"));
+  EXPECT_EQ(test::files_in(folder.path()), 2u);
+}
+
+TEST(WriteGuard, SeesEachFileBeforeItIsWritten) {
+  const test::TestFolder folder;
+  std::vector<fs::path> seen;
+  const WriteGuard guard([&](const fs::path& path) {
+    seen.push_back(path);
+    if (path.filename() == "no") throw std::runtime_error("no");
+  });
+  write_text(folder.path() / "a", "");
+  EXPECT_THROW(write_text(folder.path() / "no", ""), std::runtime_error);
+  {
+    AtomicFolder inside(folder.path() / "b");
+    inside.write("c/d", "");
+    EXPECT_THROW(inside.write("c/no", ""), std::runtime_error);
+  }
+  EXPECT_EQ(seen, (std::vector<fs::path>{folder.path() / "a", folder.path() / "no", folder.path() / "b" / "c" / "d",
+                                         folder.path() / "b" / "c" / "no"}));
+  EXPECT_EQ(test::files_in(folder.path()), 1u);
+}
+
 TEST(AtomicFile, RefusesDevices) { EXPECT_THROW(AtomicFile("/dev/null"), Error); }
 
 }  // namespace

@@ -1,4 +1,6 @@
 """`occlod hlod` as people and scripts use it."""
+import random
+import struct
 import unittest
 
 from tool_case import OCCLOD, TRIANGLES, ToolTest
@@ -149,6 +151,29 @@ class Hlod(ToolTest):
             self.make_planet(name)
             self.build("--memory", "64M", inputs=[name], output=name + ".ohlod")
             self.assertTrue(self.same_bytes("planet.ply.ohlod", name + ".ohlod"), name)
+
+    def test_normals_of_any_length_are_the_same_streamed(self):
+        """Each normal becomes a unit vector once: streamed, in memory, and as a scene of one object at its place, to the bit."""
+        generator = random.Random(5)
+        lengths = (1.0, 1.7, 1e-3, 1e-44, 3e38, 0.0, float("nan"))
+        for round_ in range(24):
+            points = [tuple(generator.choice((0.0, -0.0, generator.uniform(-1, 1))) for _ in range(3)) for _ in range(4 + 4 * round_)]
+            points += points[:3]  # at one position
+            normals = [tuple(generator.choice(lengths[: 2 + round_ % 6]) * generator.uniform(-1, 1) for _ in range(3)) for _ in points]
+            faces = [tuple(generator.sample(range(len(points)), 3)) for _ in range(1 + 2 * round_)]
+            faces += faces[: round_ % 3]
+            header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n" + "".join(f"property float {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz")) +
+                      f"element face {len(faces)}\nproperty list uchar uint vertex_indices\nend_header\n")
+            (self.folder / "n.ply").write_bytes(header.encode() + b"".join(struct.pack("<6f", *p, *n) for p, n in zip(points, normals)) +
+                                                b"".join(struct.pack("<B3I", 3, *face) for face in faces))
+            self.write_scene('{"objects": [{"mesh": "n.ply"}], "cameras": {"default": {"eye": [0, 0, 4], "target": [0, 0, 0]}}}')
+            if self.run_tool("info", "n.ply").returncode != 0:
+                continue  # no triangle has an area
+            for name, more in (("streamed", ["--memory", "64M"]), ("memory", [])):
+                for source in ("n.ply", "scene.json"):
+                    self.build(*more, inputs=[source], output=f"{name}.ohlod")
+                    for given in ("n.ply", "scene.json"):
+                        self.assertTrue(self.json_of("hlod", "validate", f"{name}.ohlod", "--input", given)["valid"], (round_, name, source, given))
 
     def test_bad_files_are_refused_as_without_a_limit(self):
         self.make_planet("planet.obj")

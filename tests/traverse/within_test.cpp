@@ -174,6 +174,30 @@ TEST(TraverseWithin, EveryStrategyKeepsTheToleranceAndDrawsTheSame) {
   EXPECT_LT(within_nodes, usual_nodes / 2);
 }
 
+// A node may be found hidden after something below it has been seen: it counts as visible in the next frame, and in
+// full.
+TEST(TraverseWithin, WithoutABiasNothingIsCoarseWhateverIsHidden) {
+  const Hlod& hlod = refinable();
+  const PlacedHlod placed{&hlod};
+  for (const TrialStrategy strategy : {TrialStrategy::coh, TrialStrategy::batch, TrialStrategy::nohc})
+    for (const bool within : {true, false})
+      for (const double hidden : {0.0, 0.1, 0.5}) {
+        SoftwareDevice real;
+        RandomDevice invented(7, hidden);
+        RenderDevice& device = hidden == 0.0 ? static_cast<RenderDevice&>(real) : invented;
+        TrialTraverser traverser({&placed, 1});
+        std::mt19937_64 random(31);
+        for (int i = 0; i < 40; ++i) {
+          TrialOptions options = options_for(strategy, 0.25, false);
+          options.within = within;
+          const View view(i % 2 == 0 ? random_camera(hlod.data().box, random) : walk(hlod.data().box, i, 40));
+          const FrameStats& stats = traverser.draw_frame(view, device, options).stats;
+          EXPECT_LE(stats.largest_sse_px, options.tolerance_px * (1.0 + 1e-6)) << i << ' ' << hidden;
+          EXPECT_EQ(stats.blocked, 0U) << i << ' ' << hidden;
+        }
+      }
+}
+
 TEST(TraverseWithin, NothingVisibleIsLost) {
   const Hlod& hlod = refinable();
   const std::vector<PlacedHlod> placed = {{&hlod}, {&hlod, glm::dmat4(glm::dmat3(0.5))}};

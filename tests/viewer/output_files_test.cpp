@@ -59,6 +59,21 @@ class OutputFiles : public ::testing::Test {
   Session session_{test::make_portable_visibility, false};
 };
 
+TEST_F(OutputFiles, NeverAFileThatAMeshNames) {
+  const fs::path mesh = folder_.path("home/square.obj"), library = folder_.path("home/square.mtl"),
+                 image = folder_.path("home/skin.png");
+  std::ofstream(mesh) << "mtllib square.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1\nvt 0 0\nusemtl m\n"
+                         "f 1/1 2/1 3/1\nf 2/1 4/1 3/1\n";
+  std::ofstream(library) << "newmtl m\nmap_Kd skin.png\n";
+  std::ofstream(image) << "an image";
+  act(session_, {{"do", "open"}, {"file", mesh.string()}});
+  ASSERT_EQ(session_.state().objects->size(), 1U);
+  for (const char* command : {"export_csv", "screenshot"}) {
+    expect_refused({{"do", command}, {"file", library.string()}}, library, "is a material library of ");
+    expect_refused({{"do", command}, {"file", image.string()}}, image, "is an image of ");
+  }
+}
+
 TEST_F(OutputFiles, NeverTheMeshThatIsOpen) {
   const fs::path link = folder_.path("link.json");
   fs::create_symlink(mesh_, link);

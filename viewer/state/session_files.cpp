@@ -6,6 +6,7 @@
 
 #include "base/atomic_file.h"
 #include "occlod/base.h"
+#include "scene/named_files.h"
 
 namespace occlod::viewer {
 namespace {
@@ -53,6 +54,14 @@ std::string SessionFiles::conflict(const fs::path& file, OutputKind kind, const 
       if (const auto* mesh = std::get_if<MeshFile>(&part.source))
         for (const std::string& name : mesh->names)
           if (identity_of(name) == identity) return fmt::format("the file of the open object \"{}\"", object.name);
+  std::error_code unknown;
+  if (fs::exists(file, unknown))
+    for (const PlacedObject& object : objects)
+      for (const SceneObject& part : object.parts)
+        if (const auto* mesh = std::get_if<MeshFile>(&part.source))
+          for (const std::string& name : mesh->names)
+            for (const NamedFile& named : files_named_by(name))
+              if (identity_of(named.path) == identity) return named.role;
   for (const Used& input : inputs_)
     if (identity_of(input.file) == identity && !(input.is_scene && kind == OutputKind::scene)) return input.what;
   for (const Written& output : outputs_)

@@ -303,7 +303,10 @@ void Traversal::settle_unasked(NodeRef n) {
 
 void Traversal::settle_hidden(NodeRef n) {
   NodeState& state = scene_.state(n);
-  state.bias = 0.0F;
+  // What is below it may have been seen before this answer, so that it counts as visible in the next frame: hardly,
+  // or in full where there is no bias.
+  constexpr double hardly = 1e-300;
+  state.bias = static_cast<float>(scene_.bias(hardly));
   if (state.status == Status::undecided) return front_.cull(n);
   if (state.status == Status::refined || state.status == Status::held) front_.hide(n);
 }

@@ -229,7 +229,14 @@ void MeshLoader::run() {
   }
 }
 
+void MeshLoader::require_thread() const {
+  if (is_lost())
+    throw Error({"HLOD", "", "was opened before this process was forked, and its thread is not here",
+                 "open it again in this process"});
+}
+
 void MeshLoader::push(std::vector<MeshLoad> loads) {
+  require_thread();
   {
     const std::lock_guard lock(mutex_);
     std::ranges::move(loads, std::back_inserter(waiting_));
@@ -238,6 +245,7 @@ void MeshLoader::push(std::vector<MeshLoad> loads) {
 }
 
 std::vector<MeshLoad> MeshLoader::withdraw() {
+  require_thread();
   const std::lock_guard lock(mutex_);
   std::vector<MeshLoad> loads;
   std::ranges::move(waiting_, std::back_inserter(loads));
@@ -246,6 +254,7 @@ std::vector<MeshLoad> MeshLoader::withdraw() {
 }
 
 void MeshLoader::collect(std::deque<MeshLoad>& out, std::size_t least) {
+  require_thread();
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return out.size() + ended_.size() >= least || (waiting_.empty() && !is_reading_); });
   std::ranges::move(ended_, std::back_inserter(out));

@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/threads.h"
 #include "occlod/hlod.h"
 #include "occlod/node_store.h"
 
@@ -149,10 +150,13 @@ class MeshLoader {
  public:
   // The source must outlive the loader.
   explicit MeshLoader(MeshSource& source);
-  // Waits for the load that is being read.
+  // Waits for the load that is being read. Must not be called when is_lost().
   ~MeshLoader();
   MeshLoader(const MeshLoader&) = delete;
   MeshLoader& operator=(const MeshLoader&) = delete;
+
+  // True in a process that was forked since, which has no thread to read: other functions throw Error.
+  [[nodiscard]] bool is_lost() const noexcept { return began_.is_in_child(); }
 
   // Queues loads behind all earlier ones.
   void push(std::vector<MeshLoad> loads);
@@ -163,8 +167,10 @@ class MeshLoader {
 
  private:
   void run();
+  void require_thread() const;
 
   MeshSource& source_;
+  ForkMark began_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<MeshLoad> waiting_, ended_;

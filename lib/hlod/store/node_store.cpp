@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -18,6 +19,12 @@ using Urgency = NodeCache::Urgency;
 // Adjacent meshes are read together up to this many bytes: larger reads are hardly faster, and arrive late.
 constexpr std::size_t max_read_bytes = std::size_t{1} << 20U;
 
+struct DeleteUnlessLost {
+  void operator()(MeshLoader* loader) const {
+    if (!loader->is_lost()) delete loader;
+  }
+};
+
 }  // namespace
 
 class NodeStore::Impl {
@@ -28,7 +35,7 @@ class NodeStore::Impl {
     check_budget(options.budget_bytes);
     cache_.set_budget(options.budget_bytes);
     read_roots();
-    if (options.load != LoadMode::blocking) loader_.emplace(*source_);
+    if (options.load != LoadMode::blocking) loader_.reset(new MeshLoader(*source_));
   }
 
   [[nodiscard]] const HlodView& view() const noexcept { return view_; }
@@ -365,7 +372,7 @@ class NodeStore::Impl {
   std::vector<std::string> failures_;
   std::vector<NodeId> missing_, order_;  // scratch memory
   StoreStats stats_;
-  std::optional<MeshLoader> loader_;  // destroyed first
+  std::unique_ptr<MeshLoader, DeleteUnlessLost> loader_;  // destroyed first
 };
 
 NodeStore::NodeStore(const HlodView& view, std::shared_ptr<const void> owner, std::unique_ptr<MeshSource> source,

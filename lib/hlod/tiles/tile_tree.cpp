@@ -87,26 +87,28 @@ class JsonWriter {
  public:
   JsonWriter(AtomicFolder& folder, const TileTree& tree) : folder_(folder), tree_(tree) {}
 
-  std::uint64_t run(const std::optional<glm::dmat4>& transform) {
-    write("tileset.json", tree_.error(), top(), transform);
+  std::uint64_t run(const std::optional<glm::dmat4>& transform, const std::set<std::string>& images) {
+    write("tileset.json", tree_.error(), top(), transform, images);
     for (std::uint64_t written = 1;; ++written) {
       if (externals_.empty()) return written;
       const hlod::NodeId n = externals_.back();
       externals_.pop_back();
-      write(tileset_name(n), tree_[n].error, whole(n), std::nullopt);
+      write(tileset_name(n), tree_[n].error, whole(n), std::nullopt, {});
     }
   }
 
  private:
-  void write(const std::string& name, double error, Json root, const std::optional<glm::dmat4>& transform) {
+  void write(const std::string& name, double error, Json root, const std::optional<glm::dmat4>& transform,
+             const std::set<std::string>& images) {
     root["refine"] = "REPLACE";
     if (transform)
       for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row) root["transform"].push_back((*transform)[column][row]);
-    const Json tileset = {
-        {"asset", {{"version", "1.1"}, {"extras", {{"generator", std::string("occlod ") + version()}}}}},
-        {"geometricError", error},
-        {"root", std::move(root)}};
+    Json extras = {{"generator", std::string("occlod ") + version()}};
+    if (!images.empty()) extras["images"] = images;
+    const Json tileset = {{"asset", {{"version", "1.1"}, {"extras", std::move(extras)}}},
+                          {"geometricError", error},
+                          {"root", std::move(root)}};
     folder_.write(name, tileset.dump());
   }
 
@@ -148,9 +150,9 @@ std::string content_name(hlod::NodeId n) {
   return fmt::format("tiles/{}/{}.glb", n / files_in_a_folder, n);
 }
 
-std::uint64_t write_tileset_json(AtomicFolder& folder, const TileTree& tree,
-                                 const std::optional<glm::dmat4>& transform) {
-  return JsonWriter(folder, tree).run(transform);
+std::uint64_t write_tileset_json(AtomicFolder& folder, const TileTree& tree, const std::optional<glm::dmat4>& transform,
+                                 const std::set<std::string>& images) {
+  return JsonWriter(folder, tree).run(transform, images);
 }
 
 namespace {

@@ -62,9 +62,10 @@ class TileTree {
 [[nodiscard]] std::string content_name(hlod::NodeId n);
 
 // Writes tileset.json and the external tilesets. Returns how many files it has written. `transform` applies to the
-// whole tileset. `tree` must be complete.
-std::uint64_t write_tileset_json(AtomicFolder& folder, const TileTree& tree,
-                                 const std::optional<glm::dmat4>& transform);
+// whole tileset. tileset.json lists `images`, the names of all other files in the folder that no tile names, for who
+// replaces it. `tree` must be complete.
+std::uint64_t write_tileset_json(AtomicFolder& folder, const TileTree& tree, const std::optional<glm::dmat4>& transform,
+                                 const std::set<std::string>& images);
 
 // Returns the transform from metres to the east, north and up of a place on the WGS84 ellipsoid to Earth-centred,
 // Earth-fixed metres. At the poles, east is the limit along the meridian of the given longitude.

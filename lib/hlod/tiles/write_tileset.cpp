@@ -10,6 +10,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -89,24 +90,97 @@ namespace fs = std::filesystem;
   throw Error({folder.string(), "", std::move(problem), std::move(remedy)});
 }
 
-// Returns whether the folder was made by write_tileset().
-bool is_ours(const fs::path& tileset) {
-  std::ifstream stream(tileset, std::ios::binary);
-  const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
-  if (!json.is_object() || !json.contains("asset")) return false;
-  const nlohmann::json& asset = json["asset"];
-  if (!asset.is_object() || !asset.contains("extras") || !asset["extras"].is_object()) return false;
-  const auto generator = asset["extras"].find("generator");
-  return generator != asset["extras"].end() && generator->is_string() &&
-         generator->get<std::string>().starts_with("occlod ");
+// Reads what a tileset.json says of files: those that tiles name, the images that it lists, and who wrote it.
+class NamesInTileset final : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  std::vector<std::string> uris, images;
+  std::string generator;
+
+  bool string(std::string& text) override {
+    if (path_.empty()) return true;
+    if (path_.back() == "uri") uris.push_back(text);
+    if (path_ == Path{"asset", "extras", "generator"}) generator = text;
+    if (path_ == Path{"asset", "extras", "images", ""}) images.push_back(text);
+    return true;
+  }
+  bool key(std::string& name) override {
+    path_.back() = name;
+    return true;
+  }
+  bool start_object(std::size_t /*elements*/) override { return begin(); }
+  bool start_array(std::size_t /*elements*/) override { return begin(); }
+  bool end_object() override { return end(); }
+  bool end_array() override { return end(); }
+  bool null() override { return true; }
+  bool boolean(bool /*value*/) override { return true; }
+  bool number_integer(number_integer_t /*value*/) override { return true; }
+  bool number_unsigned(number_unsigned_t /*value*/) override { return true; }
+  bool number_float(number_float_t /*value*/, const std::string& /*text*/) override { return true; }
+  bool binary(binary_t& /*bytes*/) override { return true; }
+  bool parse_error(std::size_t /*at*/, const std::string& /*token*/, const nlohmann::json::exception&) override {
+    return false;
+  }
+
+ private:
+  using Path = std::vector<std::string>;
+
+  bool begin() {
+    path_.emplace_back();
+    return true;
+  }
+  bool end() {
+    path_.pop_back();
+    return true;
+  }
+
+  Path path_;  // the keys of the values in the open objects; empty for arrays
+};
+
+// Returns the names of all files that write_tileset() has written into a folder, relative to it; none if the folder is
+// not its work.
+std::set<std::string> exported_files(const fs::path& folder) {
+  std::set<std::string> files{"tileset.json"};
+  std::vector<std::string> unread{"tileset.json"};
+  while (!unread.empty()) {
+    const std::string name = std::move(unread.back());
+    unread.pop_back();
+    std::error_code unknown;
+    if (!fs::is_regular_file(folder / name, unknown)) {
+      if (name == "tileset.json") return {};
+      continue;
+    }
+    NamesInTileset names;
+    const LargeVector<std::byte> text = read_whole(folder / name);
+    const char* const first = reinterpret_cast<const char*>(text.data());
+    const bool is_json = nlohmann::json::sax_parse(first, first + text.size(), &names);
+    if (name == "tileset.json" && (!is_json || !names.generator.starts_with("occlod "))) return {};
+    for (std::string& uri : names.uris)
+      if (files.insert(uri).second && uri.ends_with(".json") && uri.find('/') == std::string::npos)
+        unread.push_back(std::move(uri));
+    files.insert(names.images.begin(), names.images.end());
+  }
+  return files;
 }
 
-bool is_part(const std::string& name) {
-  if (name == "tileset.json" || name == "tiles" || name == "textures") return true;
-  constexpr std::string_view before = "tileset-", after = ".json";
-  if (name.size() <= before.size() + after.size() || !name.starts_with(before) || !name.ends_with(after)) return false;
-  const std::string number = name.substr(before.size(), name.size() - before.size() - after.size());
-  return number.find_first_not_of("0123456789") == std::string::npos;
+// Returns the name, relative to the folder, of the first file or folder in it, in the order of names, that is not among
+// the files or a folder of one. Links are not followed. Empty if there is none.
+std::string first_other(const fs::path& folder, const std::set<std::string>& files) {
+  std::set<std::string> folders;
+  for (const std::string& file : files)
+    for (fs::path above = fs::path(file).parent_path(); !above.empty() && folders.insert(above.string()).second;)
+      above = above.parent_path();
+  std::string first;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, error); !error && entry != fs::recursive_directory_iterator();
+       entry.increment(error)) {
+    const fs::file_type type = entry->symlink_status(error).type();
+    const std::string name = entry->path().lexically_relative(folder).generic_string();
+    const bool is_ours = type == fs::file_type::directory ? folders.contains(name)
+                                                          : type == fs::file_type::regular && files.contains(name);
+    if (!is_ours && (first.empty() || name < first)) first = name;
+  }
+  if (error) fail(folder, fmt::format("cannot be read: {}", error.message()), "check its permissions");
+  return first;
 }
 
 }  // namespace
@@ -115,20 +189,14 @@ void check_tileset_output(const fs::path& folder, bool replace) {
   AtomicFolder::check(folder);
   std::error_code error;
   if (!fs::exists(folder, error)) return;
-  std::string other;
-  bool is_empty = true;
-  for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator();
-       entry.increment(error)) {
-    is_empty = false;
-    const std::string name = entry->path().filename().string();
-    if (!is_part(name)) other = other.empty() ? name : std::min(other, name);
-  }
+  const bool is_empty = fs::is_empty(folder, error);
   if (error) fail(folder, fmt::format("cannot be read: {}", error.message()), "check its permissions");
   if (is_empty) return;
-  if (!other.empty())
-    fail(folder, fmt::format("holds {}, which is no part of a tileset of occlod", other), "choose a new folder");
-  if (!is_ours(folder / "tileset.json"))
-    fail(folder, "holds a tileset.json that occlod has not written, or none", "choose a new folder");
+  const std::set<std::string> files = exported_files(folder);
+  if (files.empty()) fail(folder, "holds a tileset.json that occlod has not written, or none", "choose a new folder");
+  if (const std::string other = first_other(folder, files); !other.empty())
+    fail(folder, fmt::format("holds {}, which is no part of the tileset of occlod there", other),
+         "move it elsewhere, or choose a new folder");
   if (!replace) fail(folder, "holds a tileset already", "choose a new folder, or replace it with --replace");
 }
 
@@ -174,7 +242,13 @@ class TilesetWriter {
  public:
   TilesetWriter(const std::filesystem::path& folder, const hlod::Hlod& hlod, const TilesetOptions& options,
                 std::uint32_t tiles_per_file)
-      : errors_(folder), folder_(folder), hlod_(hlod), options_(options), tiles_per_file_(tiles_per_file), tree_(hlod) {
+      : errors_(folder),
+        path_(folder),
+        folder_(folder),
+        hlod_(hlod),
+        options_(options),
+        tiles_per_file_(tiles_per_file),
+        tree_(hlod) {
     const int usual_bits = options.compression == Compression::none ? 0 : 14;
     format_ = {options.compression, options.quantise_bits.value_or(usual_bits)};
     needs_borders_ = !hlod.data().has_normals || options.skirts;
@@ -189,13 +263,22 @@ class TilesetWriter {
       write_tile(n);
     }
     tree_.complete(TileError::guaranteed, tiles_per_file_);
-    counts_.tileset_files = write_tileset_json(folder_, tree_, transform_of(options_));
+    counts_.tileset_files = write_tileset_json(folder_, tree_, transform_of(options_), images());
     counts_.bytes = folder_.bytes();
+    check_tileset_output(path_, options_.replace);  // again: what came meanwhile is not removed
     folder_.commit();
     return counts_;
   }
 
  private:
+  // Returns the names of the image files, relative to the folder.
+  [[nodiscard]] std::set<std::string> images() const {
+    std::set<std::string> names;
+    for (const std::string& uri : look_.images)
+      if (!uri.empty()) names.insert(uri.substr(uri.find("textures/")));
+    return names;
+  }
+
   void step() {
     if (options_.progress) options_.progress(static_cast<double>(done_) / static_cast<double>(steps_));
     ++done_;
@@ -218,6 +301,7 @@ class TilesetWriter {
   }
 
   FileErrors errors_;
+  fs::path path_;
   AtomicFolder folder_;
   const hlod::Hlod& hlod_;
   const TilesetOptions& options_;
