@@ -5,6 +5,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <new>
@@ -87,7 +88,7 @@ using StoredReport = std::array<std::uint64_t, 16>;
 static_assert(offsetof(MeshReport, left_out) == sizeof(StoredReport));
 static_assert(sizeof(MeshReport) == sizeof(StoredReport) + sizeof(LeftOut) && sizeof(LeftOut) == 40);
 
-constexpr std::string_view report_name = "REPO", left_out_name = "LEFT";
+constexpr std::string_view report_name = "REPO", left_out_name = "LEFT", origin_name = "ORIG";
 
 std::uint64_t align_up(std::uint64_t offset) { return (offset + alignment - 1) / alignment * alignment; }
 
@@ -119,14 +120,21 @@ void SectionWriter::add_bytes(std::string_view name, std::span<const std::byte> 
   table_.push_back(section);
 }
 
+void SectionWriter::add_copy(std::string_view name, const void* value, std::size_t bytes) {
+  std::vector<std::byte>& copy = own_.emplace_back(bytes);
+  std::memcpy(copy.data(), value, bytes);
+  add_bytes(name, copy, static_cast<std::uint32_t>(bytes), Check::whole, Codec::stored);
+}
+
 void SectionWriter::add_report(const MeshReport& report) {
-  const auto add_copy = [&](std::string_view name, const void* value, std::size_t bytes) {
-    std::vector<std::byte>& copy = own_.emplace_back(bytes);
-    std::memcpy(copy.data(), value, bytes);
-    add_bytes(name, copy, static_cast<std::uint32_t>(bytes), Check::whole, Codec::stored);
-  };
   add_copy(report_name, &report, sizeof(StoredReport));
   if (report.left_out != LeftOut{}) add_copy(left_out_name, &report.left_out, sizeof(LeftOut));
+}
+
+bool SectionWriter::add_origin(const glm::dvec3& origin) {
+  if (origin == glm::dvec3(0.0)) return false;
+  add_copy(origin_name, &origin, sizeof(origin));
+  return true;
 }
 
 void SectionWriter::write(const std::filesystem::path& path, const FileKind& kind) {
@@ -270,6 +278,14 @@ MeshReport SectionReader::read_report() {
   std::memcpy(static_cast<void*>(&report), stored_report.data(), sizeof(StoredReport));  // all fields but left_out
   if (has(left_out_name)) report.left_out = read_one<LeftOut>(left_out_name, "count of what was left out");
   return report;
+}
+
+glm::dvec3 SectionReader::read_origin() {
+  if (!has(origin_name)) return glm::dvec3(0.0);
+  const auto origin = read_one<glm::dvec3>(origin_name, "origin");
+  if (!std::isfinite(origin.x) || !std::isfinite(origin.y) || !std::isfinite(origin.z))
+    refuse("section ORIG", "is not finite");
+  return origin;
 }
 
 namespace {
