@@ -61,6 +61,8 @@ class StreamedMesh {
   // Gives all triangles with three different corners in the order of the file, in pieces of at most `most` triangles.
   // Vertices with equal positions are not welded yet. Each piece has all materials and textures.
   void visit(std::size_t most, const std::function<void(const TriangleMesh& piece)>& take) const;
+  // Returns the origin of all pieces.
+  [[nodiscard]] const glm::dvec3& origin() const { return soup_.origin; }
 
  private:
   void check_distances(const FileErrors& errors) const;
