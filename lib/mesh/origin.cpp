@@ -26,8 +26,13 @@ void set_coordinates(TriangleMesh& mesh, std::span<const glm::dvec3> coordinates
   const auto is_finite = [](const glm::vec3& p) {
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
   };
-  for (const glm::dvec3& p : coordinates)
+  const auto look_at = [&](const glm::dvec3& p) {
     if (is_finite(glm::vec3(p))) chooser.add(p);
+  };
+  for (const Triangle& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k)
+      if (t[k] < coordinates.size()) look_at(coordinates[t[k]]);
+  for (std::size_t v = 0; mesh.triangles.empty() && v < coordinates.size(); ++v) look_at(coordinates[v]);
   const Origin chosen = chooser.choose();
   mesh.origin = chosen.at;
   mesh.positions.clear();

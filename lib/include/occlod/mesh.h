@@ -101,8 +101,8 @@ void move_origin(TriangleMesh& mesh, const glm::dvec3& origin);
 // coordinates: what all scenes, refiners, traversers and pictures expect.
 [[nodiscard]] glm::dmat4 positions_to_world(const glm::dmat4& object_to_world, const glm::dvec3& origin);
 
-// Sets positions, and the origin where floats would lose digits: they would move a coordinate by more than a millionth
-// of the largest side of the box. O(n).
+// Sets positions, and the origin where floats would lose digits: they would move a coordinate that triangles use, if
+// there are any, by more than a millionth of the largest side of the box around these. O(n).
 void set_coordinates(TriangleMesh& mesh, std::span<const glm::dvec3> coordinates);
 
 // Counts of what a file holds and a TriangleMesh does not. Attributes that corners of triangles use are kept; they
