@@ -213,6 +213,9 @@ void run(const Options& options) {
   else
     result["file"] = options.output.string();
   result.update(building.counts(parts));
+  const glm::dvec3 origin = scene.objects[0].hierarchy->data().origin;
+  if (std::ranges::all_of(scene.objects, [&](const RefineObject& o) { return o.hierarchy->data().origin == origin; }))
+    add_origin(result, origin);
   if (!options.output.empty()) {
     const auto file = open_vlod(options.output);
     result.update(to_json(*file));

@@ -42,38 +42,38 @@ TriangleMesh read_surface(const std::filesystem::path& file) {
   return cut_mesh(hierarchy, full_cut(hierarchy));
 }
 
-Json to_json(double rms, const OneWayDistance& farthest, double percent) {
+Json to_json(double rms, const OneWayDistance& farthest, double percent, const glm::dvec3& origin) {
   return {{"rms", rms},
           {"rms_percent", percent * rms},
           {"max", farthest.max},
           {"max_percent", percent * farthest.max},
-          {"max_at", tool::to_json(farthest.max_at)}};
+          {"max_at", tool::to_json(origin + farthest.max_at)}};
 }
 
 Json to_json(const AttributeDifference& difference) { return {{"rms", difference.rms}, {"max", difference.max}}; }
 
-Json to_json(const TextureSlip& slip, double percent) {
+Json to_json(const TextureSlip& slip, double percent, const glm::dvec3& origin) {
   return {{"rms", slip.rms},
           {"rms_percent", percent * slip.rms},
           {"max", slip.max},
           {"max_percent", percent * slip.max},
-          {"max_at", tool::to_json(slip.max_at)},
+          {"max_at", tool::to_json(origin + slip.max_at)},
           {"lost", slip.lost},
           {"search_radius", slip.radius}};
 }
 
 Json report_of(const Options& options, const SurfaceDistance& distance, const AttributeDistance& attributes,
-               double diagonal) {
+               double diagonal, const glm::dvec3& origin) {
   const double percent = 100.0 / diagonal;
   Json report = {{"a", options.a},
                  {"b", options.b},
                  {"samples", options.sampling.samples},
                  {"seed", options.sampling.seed},
                  {"diagonal", diagonal}};
-  report.update(to_json(distance.rms(), distance.farther(), percent));
-  report["a_to_b"] = to_json(distance.a_to_b.rms, distance.a_to_b, percent);
-  report["b_to_a"] = to_json(distance.b_to_a.rms, distance.b_to_a, percent);
-  if (attributes.texture) report["texture_slip"] = to_json(*attributes.texture, percent);
+  report.update(to_json(distance.rms(), distance.farther(), percent, origin));
+  report["a_to_b"] = to_json(distance.a_to_b.rms, distance.a_to_b, percent, origin);
+  report["b_to_a"] = to_json(distance.b_to_a.rms, distance.b_to_a, percent, origin);
+  if (attributes.texture) report["texture_slip"] = to_json(*attributes.texture, percent, origin);
   if (attributes.normals) report["normals_deg"] = to_json(*attributes.normals);
   if (attributes.colors) report["colors"] = to_json(*attributes.colors);
   return report;
@@ -81,7 +81,7 @@ Json report_of(const Options& options, const SurfaceDistance& distance, const At
 
 void print_row(const std::string& name, const Json& way) {
   const Json& at = way["max_at"];
-  fmt::print("{:<7} {:>12.6g} {:>9.4f} {:>12.6g} {:>9.4f}  {:.6g} {:.6g} {:.6g}\n", name, way["rms"].get<double>(),
+  fmt::print("{:<7} {:>12.6g} {:>9.4f} {:>12.6g} {:>9.4f}  {:.9g} {:.9g} {:.9g}\n", name, way["rms"].get<double>(),
              way["rms_percent"].get<double>(), way["max"].get<double>(), way["max_percent"].get<double>(),
              at[0].get<double>(), at[1].get<double>(), at[2].get<double>());
 }
@@ -116,10 +116,12 @@ AttributeDistance attributes_between(const TriangleMesh& a, const TriangleMesh& 
 }
 
 void run(const Options& options) {
-  const TriangleMesh a = read_surface(options.a), b = read_surface(options.b);
+  const TriangleMesh a = read_surface(options.a);
+  TriangleMesh b = read_surface(options.b);
+  move_origin(b, a.origin);
   const measure::Surface surface_a(a.positions, a.triangles), surface_b(b.positions, b.triangles);
   const SurfaceDistance distance = surface_distance(surface_a, surface_b, options.sampling);
-  const Json report = report_of(options, distance, attributes_between(a, b, options), surface_a.diagonal());
+  const Json report = report_of(options, distance, attributes_between(a, b, options), surface_a.diagonal(), a.origin);
   options.json ? print_json(report) : print_table(report);
 }
 

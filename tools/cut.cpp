@@ -57,14 +57,16 @@ void run(const Options& options) {
   const TriangleMesh mesh = cut_mesh(hierarchy, cut);
   write_interruptibly(options.output, 0, progress, [&] { write_mesh(options.output, mesh); });
   progress.clear();
-  const Json result = {{"input", options.file},
-                       {"file", options.output},
-                       {"vertices", mesh.vertex_count()},
-                       {"triangles", mesh.triangle_count()},
-                       {"full_triangles", hierarchy.input_triangle_count()},
-                       {"splits", cut.splits},
-                       {"guaranteed_error", cut.guaranteed_error},
-                       {"rms_error", cut.error}};
+  note_lost_origin(options.output, mesh.origin);
+  Json result = {{"input", options.file},
+                 {"file", options.output},
+                 {"vertices", mesh.vertex_count()},
+                 {"triangles", mesh.triangle_count()},
+                 {"full_triangles", hierarchy.input_triangle_count()},
+                 {"splits", cut.splits},
+                 {"guaranteed_error", cut.guaranteed_error},
+                 {"rms_error", cut.error}};
+  add_origin(result, mesh.origin);
   print_result(result, file.report.left_out, options.json);
 }
 

@@ -93,6 +93,7 @@ Json counts_of(const hlod::Hlod& hlod) {
                  {"borders", view.borders == hlod::Borders::free ? "free" : "locked"},
                  {"node_triangles", view.node_triangles},
                  {"within", view.within.empty() ? "geomorph" : "splits"}};
+  add_origin(counts, view.origin);
   if (view.lattice_step > 0.0F) counts["lattice_step"] = view.lattice_step;
   if (!view.within.empty()) {
     std::uint64_t splits = 0;

@@ -27,7 +27,7 @@ void run(const Options& options) {
   result.update(file_size_of(options.file, file.hlod));
   result["normals"] = view.has_normals;
   result["colors"] = view.has_colors;
-  result["box"] = {{"min", to_json(glm::dvec3(view.box.min))}, {"max", to_json(glm::dvec3(view.box.max))}};
+  result["box"] = to_json(view.box, view.origin);
   result["level"] = levels_of(file.hlod);
   result["report"] = to_json(file.report);
   if (options.json) return print_json(result);

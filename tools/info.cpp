@@ -55,35 +55,32 @@ void print(const Options& options, Json result, const MeshReport& reported) {
   print_lines(reported);
 }
 
-Json to_json(const Box& box) {
-  return {{"min", tool::to_json(glm::dvec3(box.min))}, {"max", tool::to_json(glm::dvec3(box.max))}};
-}
-
 void tell_mesh(const Options& options) {
   const CleanMesh file = read_mesh(options.file);
-  const Json result = {{"file", options.file},
-                       {"vertices", file.mesh.vertex_count()},
-                       {"wedges", file.mesh.wedge_count()},
-                       {"triangles", file.mesh.triangle_count()},
-                       {"normals", !file.mesh.normals.empty()},
-                       {"colors", !file.mesh.colors.empty()},
-                       {"texture_coordinates", !file.mesh.texture_coordinates.empty()},
-                       {"materials", file.mesh.materials.size()},
-                       {"textures", file.mesh.textures.size()},
-                       {"box", to_json(bounding_box(file.mesh.positions))}};
-  print(options, result, file.report);
+  Json result = {{"file", options.file},
+                 {"vertices", file.mesh.vertex_count()},
+                 {"wedges", file.mesh.wedge_count()},
+                 {"triangles", file.mesh.triangle_count()},
+                 {"normals", !file.mesh.normals.empty()},
+                 {"colors", !file.mesh.colors.empty()},
+                 {"texture_coordinates", !file.mesh.texture_coordinates.empty()},
+                 {"materials", file.mesh.materials.size()},
+                 {"textures", file.mesh.textures.size()},
+                 {"box", to_json(bounding_box(file.mesh.positions), file.mesh.origin)}};
+  add_origin(result, file.mesh.origin);
+  print(options, std::move(result), file.report);
 }
 
 void tell_hierarchy(const Options& options) {
   const OlodFile file = read_olod(options.file);
   const Hierarchy& hierarchy = file.hierarchy;
-  Json result = {{"file", options.file}, {"format", olod_version}};
+  Json result = {{"file", options.file}, {"format", file.version}};
   result.update(counts_of(hierarchy));
   result["compressed"] = file.compression != OlodCompression::none;
   result["file_bytes"] = std::filesystem::file_size(options.file);
   result["normals"] = !hierarchy.data().normals.empty();
   result["colors"] = !hierarchy.data().colors.empty();
-  result["box"] = to_json(hierarchy.box());
+  result["box"] = to_json(hierarchy.box(), hierarchy.data().origin);
   if (options.check) {
     const Counts counts = count_all(hierarchy);
     result["dependencies"] = counts.dependencies;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstddef>
 #include <glm/gtc/type_ptr.hpp>
 #include <string>
@@ -60,17 +61,35 @@ Json topology_to_json(const MeshReport& report) {
           {"components", report.components}};
 }
 
+Json to_json(const Box& box, const glm::dvec3& origin) {
+  return {{"min", to_json(origin + glm::dvec3(box.min))}, {"max", to_json(origin + glm::dvec3(box.max))}};
+}
+
+void add_origin(Json& object, const glm::dvec3& origin) {
+  if (origin != glm::dvec3(0.0)) object["origin"] = to_json(origin);
+}
+
+void note_lost_origin(const std::filesystem::path& path, const glm::dvec3& origin) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension != ".stl" || origin == glm::dvec3(0.0)) return;
+  print_note(fmt::format("{}: STL has floats only, so its coordinates are relative to the origin {} {} {}",
+                         path.string(), origin.x, origin.y, origin.z));
+}
+
 Json counts_of(const Hierarchy& hierarchy) {
   const std::size_t vertices = hierarchy.vertex_count();
-  return {{"vertices", vertices},
-          {"triangles", hierarchy.input_triangle_count()},
-          {"base_triangles", hierarchy.base_triangle_count()},
-          {"splits", hierarchy.split_count()},
-          {"faces", hierarchy.face_count()},
-          {"bytes", hierarchy.bytes()},
-          {"bytes_per_vertex",
-           static_cast<double>(hierarchy.bytes()) / static_cast<double>(std::max<std::size_t>(vertices, 1))},
-          {"error_bound", hierarchy.error_bound()}};
+  Json counts = {{"vertices", vertices},
+                 {"triangles", hierarchy.input_triangle_count()},
+                 {"base_triangles", hierarchy.base_triangle_count()},
+                 {"splits", hierarchy.split_count()},
+                 {"faces", hierarchy.face_count()},
+                 {"bytes", hierarchy.bytes()},
+                 {"bytes_per_vertex",
+                  static_cast<double>(hierarchy.bytes()) / static_cast<double>(std::max<std::size_t>(vertices, 1))},
+                 {"error_bound", hierarchy.error_bound()}};
+  add_origin(counts, hierarchy.data().origin);
+  return counts;
 }
 
 // Replaces bytes that are not UTF-8, which names of files may have and JSON may not.
@@ -80,6 +99,9 @@ void print_lines(const Json& object) {
   std::size_t width = 0;
   for (const auto& [key, value] : object.items()) width = std::max(width, key.size());
   for (const auto& [key, value] : object.items()) {
+    if (key == "origin")
+      fmt::print("{:<{}}  {} {} {}  (coordinates are kept relative to it)\n", key, width, value[0].get<double>(),
+                 value[1].get<double>(), value[2].get<double>());
     if (value.is_structured()) continue;
     const std::string text = value.is_string()         ? printable(value.get<std::string>())
                              : value.is_number_float() ? fmt::format("{:.6g}", value.get<double>())

@@ -1,6 +1,7 @@
 // Prints the object of `--json`, whose keys are in the order in which they are documented.
 #pragma once
 
+#include <filesystem>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <nlohmann/json.hpp>
@@ -20,12 +21,18 @@ using Json = nlohmann::ordered_json;
 [[nodiscard]] Json to_json(const MeshReport& report);
 [[nodiscard]] Json to_json(const LeftOut& counts);
 [[nodiscard]] Json topology_to_json(const MeshReport& report);  // topology only, which cleaning does not change
-// Returns vertices, triangles, base_triangles, splits, faces, bytes, bytes_per_vertex and error_bound.
+// Returns the corners of a box that is relative to an origin.
+[[nodiscard]] Json to_json(const Box& box, const glm::dvec3& origin);
+// Adds "origin", which print_lines() explains, unless it is 0.
+void add_origin(Json& object, const glm::dvec3& origin);
+// Tells that the file at `path` lacks the origin of its mesh, if it does: STL has no place for it.
+void note_lost_origin(const std::filesystem::path& path, const glm::dvec3& origin);
+// Returns vertices, triangles, base_triangles, splits, faces, bytes, bytes_per_vertex and error_bound, and any origin.
 [[nodiscard]] Json counts_of(const Hierarchy& hierarchy);
 
 // Prints to standard output. Numbers that are not finite become null.
 void print_json(const Json& object);
-// Prints one "key  value" line each for people. Nested lists and objects are left out.
+// Prints one "key  value" line each for people. Nested lists and objects are left out, but for an origin.
 void print_lines(const Json& object);
 void print_lines(const MeshReport& report);
 // Returns the counts, like "34 groups (g), 12 lines (l)", or "nothing".

@@ -42,8 +42,10 @@ void write_outputs(const RenderInput& input, const RenderOptions& options, const
   if (!options.png.empty()) write_png(options.png, shade(measurement.items(), objects, view, {.textures = textures}));
   if (!options.birdseye.empty())
     write_png(options.birdseye, birdseye(objects, measurement.items(), view, View(birdseye_camera(objects, view))));
-  if (!options.mesh.empty())
-    write_mesh(options.mesh, world_mesh(input.objects, measurement.refinement(), options.mesh));
+  if (options.mesh.empty()) return;
+  const TriangleMesh mesh = world_mesh(input.objects, measurement.refinement(), options.mesh);
+  write_mesh(options.mesh, mesh);
+  note_lost_origin(options.mesh, mesh.origin);
 }
 
 void render_view(const RenderInput& input, const RenderOptions& options, RefineWay& way,

@@ -79,6 +79,7 @@ Json report_of(const Options& options, const CleanMesh& input, const RepairedMes
   count_topology(repaired.mesh, after);
   const CleanMesh welded = clean(repaired.mesh, {}, options.output);
   Json report = {{"input", options.input}, {"file", options.output}};
+  add_origin(report, repaired.mesh.origin);
   report["orientable"] = repaired.changes.unorientable_edges == 0;
   report["changes"] = to_json(repaired.changes);
   report["before"] = topology_of(input.mesh, input.report);
@@ -121,6 +122,7 @@ void run(const Options& options) {
   const double repair_ms = stopwatch.milliseconds();
   write_interruptibly(options.output, 0, progress, [&] { write_mesh(options.output, repaired.mesh); });
   progress.clear();
+  note_lost_origin(options.output, repaired.mesh.origin);
   Json report = report_of(options, input, repaired);
   report["repair_ms"] = repair_ms;
   options.json ? print_json(report) : print_report(report, input.report.left_out, repaired.changes);

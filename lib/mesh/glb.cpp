@@ -155,6 +155,8 @@ class GlbWriter {
   GlbWriter(ChunkedWriter& out, const TriangleMesh& mesh) : out_(out), mesh_(mesh), primitives_(glb_primitives(mesh)) {}
 
   void run(const FileErrors& errors) {
+    const glm::dvec3& o = mesh_.origin;
+    if (o != glm::dvec3(0.0)) document_.json()["nodes"][0]["translation"] = {o.x, o.y, o.z};
     for (const GlbPrimitive& primitive : primitives_) describe(primitive);
     for (const Material& material : mesh_.materials) document_.add_material(material);
     for (const Texture& texture : mesh_.textures) document_.add_texture(texture, image_of(texture));

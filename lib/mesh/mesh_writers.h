@@ -41,6 +41,7 @@ class ChunkedWriter {
     if (chunk_.size() >= chunk_size) flush();
   }
   void vector(const glm::vec3& v) { numbers(v.x, v.y, v.z); }
+  void vector(const glm::dvec3& v) { numbers(v.x, v.y, v.z); }
   void flush() {
     file_.write(std::as_bytes(std::span(chunk_.data(), chunk_.size())));
     chunk_.clear();

@@ -30,10 +30,50 @@ std::uint8_t color_component(double unit_value) noexcept {
 template <class Storage>
 void BasicPolygonSoup<Storage>::add_vertex(double x, double y, double z, std::uint64_t line) {
   const glm::vec3 p(to_float(x), to_float(y), to_float(z));
-  if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-    nonfinite_.push_back({static_cast<VertexId>(positions.size()), line});
+  const bool is_finite = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+  if (!is_finite) nonfinite_.push_back({static_cast<VertexId>(positions.size()), line});
+  if (may_need_origin_) {
+    const glm::dvec3 exact(x, y, z);
+    if (!coordinates_.empty() || (is_finite && glm::dvec3(p) != exact)) keep_digits(exact, is_finite);
   }
   positions.push_back(p);
+}
+
+template <class Storage>
+void BasicPolygonSoup<Storage>::keep_digits(const glm::dvec3& p, bool is_finite) {
+  // Many files have a vertex at 0 that no polygon uses, which says nothing about where the mesh is.
+  const auto look_at = [&](const glm::dvec3& at) {
+    if (at != glm::dvec3(0.0)) near_.add(at);
+  };
+  if (coordinates_.empty()) {
+    coordinates_.reserve(positions.capacity());
+    for (const glm::vec3& before : positions) {
+      if (coordinates_.size() % polygons_between_looks == 0) make_room();
+      coordinates_.emplace_back(before);
+      if (std::isfinite(before.x) && std::isfinite(before.y) && std::isfinite(before.z)) look_at(coordinates_.back());
+    }
+  }
+  coordinates_.push_back(p);
+  if (is_finite) look_at(p);
+  may_need_origin_ = !near_.is_settled();
+  if (!may_need_origin_) coordinates_ = {};
+}
+
+template <class Storage>
+void BasicPolygonSoup<Storage>::choose_origin() {
+  if (coordinates_.empty()) return;
+  OriginChooser used;
+  for (std::size_t polygon = 0; polygon < polygon_count(); ++polygon) {
+    if (polygon % polygons_between_looks == 0) make_room();
+    for (const VertexId corner : corners_of(polygon)) used.add(coordinates_[corner]);
+  }
+  const Origin chosen = used.choose();
+  for (std::size_t v = 0; chosen.step > 0.0 && v < positions.size(); ++v) {
+    if (v % polygons_between_looks == 0) make_room();
+    positions[v] = chosen.position_of(coordinates_[v]);
+  }
+  origin = chosen.at;
+  coordinates_ = {};
 }
 
 template <class Storage>
@@ -102,11 +142,12 @@ bool BasicPolygonSoup<Storage>::has_only_valid_triangles() const {
 }
 
 template <class Storage>
-void BasicPolygonSoup<Storage>::check(const FileErrors& errors, std::uint64_t first_index) const {
+void BasicPolygonSoup<Storage>::check(const FileErrors& errors, std::uint64_t first_index) {
   if (polygon_count() == 0) errors.fail("", "has no faces", "export the mesh with its faces");
   if (positions.size() >= max_vertices) errors.fail("", "has too many vertices", "split the mesh into parts");
   check_corners(errors, first_index);
   check_finite(errors);
+  choose_origin();
 }
 
 template <class Storage>
@@ -191,6 +232,7 @@ TriangleMesh take_mesh(PolygonSoup& soup, MeshReport& report, const FileErrors& 
   mesh.materials = std::move(soup.materials);
   mesh.textures = std::move(soup.textures);
   mesh.texture_origin = soup.texture_origin;
+  mesh.origin = soup.origin;
   soup = {};
   return mesh;
 }

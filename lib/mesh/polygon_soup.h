@@ -18,6 +18,7 @@
 #include "base/file_input.h"
 #include "base/memory.h"
 #include "mesh/mesh_files.h"
+#include "mesh/origin.h"
 #include "occlod/base.h"
 #include "occlod/mesh.h"
 
@@ -43,6 +44,7 @@ struct SoupTables {
   std::vector<Material> materials;
   std::vector<Texture> textures;
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
+  glm::dvec3 origin{0.0};            // of positions, see TriangleMesh
   std::uint64_t added_vertices = 0;  // vertices at the end that repeat others with other attributes
   LeftOut left_out;
 };
@@ -89,8 +91,9 @@ class BasicPolygonSoup : public SoupTables {
   void reserve_polygons(std::size_t count) { triangles_.reserve(count); }
 
   // Throws Error when a polygon has fewer than three corners or uses a vertex that does not exist or is not finite, or
-  // when there is no polygon. `first_index` is the number of the first vertex in the file.
-  void check(const FileErrors& errors, std::uint64_t first_index = 0) const;
+  // when there is no polygon. `first_index` is the number of the first vertex in the file. Then makes positions
+  // relative to an origin, if the coordinates that polygons use need one.
+  void check(const FileErrors& errors, std::uint64_t first_index = 0);
 
   // Cuts the polygons of a checked soup into triangles. Afterwards the soup has no polygons, and a material for each
   // triangle.
@@ -102,6 +105,8 @@ class BasicPolygonSoup : public SoupTables {
     std::uint64_t line;
   };
 
+  void keep_digits(const glm::dvec3& p, bool is_finite);
+  void choose_origin();
   [[nodiscard]] std::string polygon_place(std::size_t polygon) const;
   void check_corners(const FileErrors& errors, std::uint64_t first_index) const;
   void check_finite(const FileErrors& errors) const;
@@ -117,6 +122,10 @@ class BasicPolygonSoup : public SoupTables {
   Array<std::size_t> polygon_ends_;     // indices into corners_
   Array<std::uint32_t> polygon_lines_;  // empty for binary files
   std::vector<NonfiniteVertex> nonfinite_;
+  // The coordinates of all vertices so far; empty while floats hold them exactly, and once no origin can be needed.
+  Array<glm::dvec3> coordinates_;
+  OriginChooser near_;  // of vertices so far, to find the latter
+  bool may_need_origin_ = true;
 };
 
 using PolygonSoup = BasicPolygonSoup<InMemory>;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <new>
@@ -103,7 +104,8 @@ constexpr std::array report_fields = {&MeshReport::vertices_read,
 using StoredReport = std::array<std::uint64_t, report_fields.size()>;
 
 // Of the names of what was left out there are as many as files have; older programs wrote five fixed counts.
-constexpr std::string_view report_name = "REPO", left_out_name = "LEFN", fixed_left_out_name = "LEFT";
+constexpr std::string_view report_name = "REPO", left_out_name = "LEFN", fixed_left_out_name = "LEFT",
+                           origin_name = "ORIG";
 constexpr std::array<std::string_view, 5> fixed_names{"texture coordinates", "normals", "colours", "materials",
                                                       "groups"};
 
@@ -159,17 +161,24 @@ void SectionWriter::add_bytes(std::string_view name, std::span<const std::byte> 
   table_.push_back(section);
 }
 
+void SectionWriter::add_copy(std::string_view name, std::span<const std::byte> bytes, std::size_t element_bytes) {
+  const std::vector<std::byte>& copy = own_.emplace_back(bytes.begin(), bytes.end());
+  add_bytes(name, copy, static_cast<std::uint32_t>(element_bytes), Check::whole, Codec::stored);
+}
+
 void SectionWriter::add_report(const MeshReport& report) {
-  const auto add_copy = [&](std::string_view name, std::span<const std::byte> bytes, std::size_t element_bytes) {
-    const std::vector<std::byte>& copy = own_.emplace_back(bytes.begin(), bytes.end());
-    add_bytes(name, copy, static_cast<std::uint32_t>(element_bytes), Check::whole, Codec::stored);
-  };
   StoredReport counts{};
   std::ranges::transform(report_fields, counts.begin(), [&](auto field) { return report.*field; });
   add_copy(report_name, std::as_bytes(std::span(counts)), sizeof(counts));
   if (report.left_out.empty()) return;
   const std::string text = text_of(report.left_out);
   add_copy(left_out_name, std::as_bytes(std::span(text)), 1);
+}
+
+bool SectionWriter::add_origin(const glm::dvec3& origin) {
+  if (origin == glm::dvec3(0.0)) return false;
+  add_copy(origin_name, std::as_bytes(std::span(&origin, 1)), sizeof(origin));
+  return true;
 }
 
 void SectionWriter::write(const std::filesystem::path& path, const FileKind& kind) {
@@ -322,6 +331,14 @@ MeshReport SectionReader::read_report() {
     if (text_of(report.left_out) != text) refuse("", "does not list what was left out of its mesh as it should");
   }
   return report;
+}
+
+glm::dvec3 SectionReader::read_origin() {
+  if (!has(origin_name)) return glm::dvec3(0.0);
+  const auto origin = read_one<glm::dvec3>(origin_name, "origin");
+  if (!std::isfinite(origin.x) || !std::isfinite(origin.y) || !std::isfinite(origin.z))
+    refuse("section ORIG", "is not finite");
+  return origin;
 }
 
 namespace {

@@ -100,12 +100,15 @@ class SectionWriter {
   }
   // Adds a report in one or two sections, which read_report() reads.
   void add_report(const MeshReport& report);
+  // Adds the origin of positions in a section that read_origin() reads, unless it is 0. Returns whether it did.
+  bool add_origin(const glm::dvec3& origin);
   // Writes the file through an AtomicFile. Throws Error that names `path`.
   void write(const std::filesystem::path& path, const FileKind& kind);
 
  private:
   void add_bytes(std::string_view name, std::span<const std::byte> bytes, std::uint32_t element_bytes, Check check,
                  Codec codec);
+  void add_copy(std::string_view name, std::span<const std::byte> bytes, std::size_t element_bytes);
 
   std::vector<Section> table_;
   std::vector<std::span<const std::byte>> contents_;
@@ -151,6 +154,8 @@ class SectionReader {
   // True when there is a section of this name.
   [[nodiscard]] bool has(std::string_view name) const { return find(name) != table_.end(); }
   [[nodiscard]] MeshReport read_report();
+  // Returns the origin of positions; 0 when the file has none.
+  [[nodiscard]] glm::dvec3 read_origin();
 
   [[nodiscard]] bool is_compressed() const noexcept { return !unpacked_.empty(); }
 

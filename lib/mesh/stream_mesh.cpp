@@ -45,6 +45,7 @@ TriangleMesh PieceCutter::cut(std::size_t begin, std::size_t end) {
   gather(mesh_.colors, piece.colors);
   gather(mesh_.texture_coordinates, piece.texture_coordinates);
   piece.texture_origin = mesh_.texture_origin;
+  piece.origin = mesh_.origin;
   for (const WedgeId wedge : wedges_) local_[wedge] = no_id;
   return piece;
 }
@@ -130,7 +131,8 @@ void StreamedMesh::visit(std::size_t most, const std::function<void(const Triang
                       .texture_coordinates = soup_.texture_coordinates,
                       .triangles = triangles_,
                       .triangle_materials = soup_.polygon_materials,
-                      .texture_origin = soup_.texture_origin});
+                      .texture_origin = soup_.texture_origin,
+                      .origin = soup_.origin});
   for (std::size_t begin = 0; begin < triangles_.size(); begin += most) {
     TriangleMesh piece = cutter.cut(begin, std::min(triangles_.size(), begin + most));
     piece.materials = soup_.materials;

@@ -25,11 +25,12 @@ struct MeshArrays {
   std::span<const Triangle> triangles;             // indices of wedges
   std::span<const MaterialId> triangle_materials;  // empty or one per triangle
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
+  glm::dvec3 origin{0.0};  // of positions
 };
 
 [[nodiscard]] inline MeshArrays arrays_of(const TriangleMesh& mesh) {
-  return {mesh.positions,          mesh.normals,       mesh.colors, mesh.texture_coordinates, mesh.wedge_triangles(),
-          mesh.triangle_materials, mesh.texture_origin};
+  return {mesh.positions,          mesh.normals,        mesh.colors, mesh.texture_coordinates, mesh.wedge_triangles(),
+          mesh.triangle_materials, mesh.texture_origin, mesh.origin};
 }
 
 class PieceCutter {
@@ -62,6 +63,8 @@ class StreamedMesh {
   void visit(std::size_t most, const std::function<void(const TriangleMesh& piece)>& take) const;
   // Returns the counts that read_mesh() reports.
   [[nodiscard]] const LeftOut& left_out() const { return left_out_; }
+  // Returns the origin of all pieces.
+  [[nodiscard]] const glm::dvec3& origin() const { return soup_.origin; }
 
  private:
   void check_distances(const FileErrors& errors) const;

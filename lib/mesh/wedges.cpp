@@ -245,6 +245,7 @@ TriangleMesh merge_wedges(const TriangleMesh& mesh) {
   merged.normals = first_ones(mesh.normals, mesh.vertex_count());
   merged.colors = first_ones(mesh.colors, mesh.vertex_count());
   merged.triangles = mesh.triangles;
+  merged.origin = mesh.origin;
   if (!mesh.normals.empty()) merge_normals(mesh, merged.normals);
   if (!mesh.colors.empty()) merge_colors(mesh, merged.colors);
   return merged;
@@ -299,6 +300,7 @@ class Creaser {
     result_.materials = mesh_.materials;
     result_.textures = mesh_.textures;
     result_.texture_origin = mesh_.texture_origin;
+    result_.origin = mesh_.origin;
     return std::move(result_);
   }
 

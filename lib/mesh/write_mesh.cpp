@@ -16,6 +16,7 @@
 #include "mesh/materials.h"
 #include "mesh/mesh_files.h"
 #include "mesh/mesh_writers.h"
+#include "mesh/origin.h"
 #include "mesh/polygon_soup.h"
 #include "occlod/base.h"
 #include "occlod/mesh_file.h"
@@ -102,18 +103,40 @@ void write_mtl(const TriangleMesh& mesh, const std::vector<std::string>& names, 
   file.commit();
 }
 
+// Writes coordinates as text that reads back to the same positions.
+class CoordinateText {
+ public:
+  // A reader would find an origin for the shortest digits of floats that are far away; their doubles are exact.
+  explicit CoordinateText(const TriangleMesh& mesh)
+      : origin_(mesh.origin),
+        has_all_digits_(origin_ != glm::dvec3(0.0) ||
+                        (!mesh.positions.empty() && is_far(bounding_box(mesh.positions)))) {}
+
+  void put(ChunkedWriter& out, const glm::vec3& p) const {
+    if (!has_all_digits_) return out.text("{} {} {}", p.x, p.y, p.z);
+    const glm::dvec3 q = origin_ + glm::dvec3(p);
+    out.text("{} {} {}", q.x, q.y, q.z);
+  }
+
+ private:
+  glm::dvec3 origin_;
+  bool has_all_digits_;
+};
+
 // Writes vertices. A colour is on the line of its vertex, so when there are colours, each wedge becomes a vertex with
 // its own position.
 void write_vertices(ChunkedWriter& out, const TriangleMesh& mesh) {
   const std::size_t count = mesh.colors.empty() ? mesh.vertex_count() : mesh.wedge_count();
+  const CoordinateText coordinates(mesh);
   for (std::size_t v = 0; v < count; ++v) {
-    const glm::vec3& p = mesh.positions[v];
+    out.text("v ");
+    coordinates.put(out, mesh.positions[v]);
     if (mesh.colors.empty()) {
-      out.text("v {} {} {}\n", p.x, p.y, p.z);
+      out.text("\n");
       continue;
     }
     const glm::dvec3 color = glm::dvec3(mesh.colors[v]) / 255.0;
-    out.text("v {} {} {} {:.4f} {:.4f} {:.4f}\n", p.x, p.y, p.z, color.r, color.g, color.b);
+    out.text(" {:.4f} {:.4f} {:.4f}\n", color.r, color.g, color.b);
   }
 }
 
@@ -220,7 +243,8 @@ void write_ply_header(ChunkedWriter& out, const TriangleMesh& mesh, const Writte
                       const std::filesystem::path& path) {
   out.text("ply\nformat binary_little_endian 1.0\n");
   for (const std::string& file : texture_files(mesh, path)) out.text("comment TextureFile {}\n", name_in_text(file));
-  out.text("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n", counts.vertices);
+  const char* const type = mesh.origin == glm::dvec3(0.0) ? "float" : "double";
+  out.text("element vertex {}\nproperty {} x\nproperty {} y\nproperty {} z\n", counts.vertices, type, type, type);
   if (!mesh.normals.empty()) out.text("property float nx\nproperty float ny\nproperty float nz\n");
   if (!mesh.colors.empty()) {
     out.text("property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n");
@@ -239,7 +263,10 @@ void write_ply_header(ChunkedWriter& out, const TriangleMesh& mesh, const Writte
 void write_ply(ChunkedWriter& out, const TriangleMesh& mesh, const std::filesystem::path& path) {
   write_ply_header(out, mesh, {mesh.wedge_count(), mesh.triangle_count()}, path);
   for (std::size_t w = 0; w < mesh.wedge_count(); ++w) {
-    out.vector(mesh.positions[w]);
+    if (mesh.origin == glm::dvec3(0.0))
+      out.vector(mesh.positions[w]);
+    else
+      out.vector(mesh.origin + glm::dvec3(mesh.positions[w]));
     if (!mesh.normals.empty()) out.vector(mesh.normals[w]);
     if (!mesh.colors.empty()) {
       const glm::u8vec4& color = mesh.colors[w];
@@ -266,7 +293,11 @@ void write_ply(ChunkedWriter& out, const TriangleMesh& mesh, const std::filesyst
 
 void write_off(ChunkedWriter& out, const TriangleMesh& mesh) {
   out.text("OFF\n{} {} 0\n", mesh.vertex_count(), mesh.triangle_count());
-  for (const glm::vec3& p : vertices_of(mesh)) out.text("{} {} {}\n", p.x, p.y, p.z);
+  const CoordinateText coordinates(mesh);
+  for (const glm::vec3& p : vertices_of(mesh)) {
+    coordinates.put(out, p);
+    out.text("\n");
+  }
   for (const Triangle& t : mesh.triangles) out.text("3 {} {} {}\n", t.x, t.y, t.z);
 }
 
@@ -277,7 +308,10 @@ glm::vec3 facet_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec
 }
 
 void write_stl(ChunkedWriter& out, const TriangleMesh& mesh) {
-  out.text("{:80}", "binary STL");
+  const glm::dvec3& o = mesh.origin;
+  const bool is_relative = o != glm::dvec3(0.0);
+  out.text("{:80}", is_relative ? fmt::format("binary STL, relative to {} {} {}", o.x, o.y, o.z).substr(0, 80)
+                                : std::string("binary STL"));
   out.numbers(static_cast<std::uint32_t>(mesh.triangle_count()));
   for (const Triangle& t : mesh.triangles) {
     out.vector(facet_normal(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]));

@@ -11,10 +11,12 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "mesh/origin.h"
 #include "mesh/stream_mesh.h"
 #include "occlod/base.h"
 #include "occlod/build_hierarchy.h"
@@ -115,12 +117,25 @@ std::string SceneMaterials::name_of_image(std::string file, const std::filesyste
   return (near.empty() || *near.begin() == ".." ? image : near).generic_string();
 }
 
+// Tells whether the positions of a mesh that is placed so are already relative to the origin, 0 not being one.
+bool has_origin(const TriangleMesh& mesh, const glm::dmat4& object_to_world, const glm::dvec3& origin) {
+  return origin != glm::dvec3(0.0) && mesh.origin == origin &&
+         object_to_world == positions_to_world(glm::dmat4(1.0), origin);
+}
+
+void add_places(OriginChooser& chooser, const TriangleMesh& mesh, const glm::dmat4& object_to_world) {
+  for (const glm::vec3& p : mesh.positions) {
+    if (chooser.is_settled()) return;
+    chooser.add(glm::dvec3(object_to_world * glm::dvec4(p, 1.0)));
+  }
+}
+
 // Joins placed meshes into one, with a vertex for each wedge.
 
 class MeshJoiner {
  public:
-  // `name` names the whole in errors. `folder`: see SceneMaterials.
-  MeshJoiner(std::string name, const std::filesystem::path& folder);
+  // `name` names the whole in errors. `folder`: see SceneMaterials. `origin` is that of the whole.
+  MeshJoiner(std::string name, const std::filesystem::path& folder, const Origin& origin);
   MeshJoiner(const MeshJoiner&) = delete;
   MeshJoiner& operator=(const MeshJoiner&) = delete;
   ~MeshJoiner() = default;
@@ -134,6 +149,7 @@ class MeshJoiner {
 
  private:
   std::string name_;
+  Origin origin_;
   TriangleMesh all_;
   SceneMaterials materials_;  // of all_
   std::size_t count_ = 0;     // number of meshes
@@ -150,14 +166,19 @@ void append_texture_coordinates(TriangleMesh& all, const TriangleMesh& mesh, Ver
 }
 
 // Appends everything except materials. Once any mesh has texture coordinates, earlier vertices without them get (0, 0).
-void append_placed(TriangleMesh& all, const TriangleMesh& mesh, const glm::dmat4& object_to_world) {
+// `object_to_world` is that of the mesh's positions, `origin` that of all.
+void append_placed(TriangleMesh& all, const TriangleMesh& mesh, const glm::dmat4& object_to_world,
+                   const Origin& origin) {
   const auto first = static_cast<VertexId>(all.positions.size());
+  all.origin = origin.at;
   const glm::dmat3 linear(object_to_world);
-  if (object_to_world == glm::dmat4(1.0)) {  // to the bit, as when the mesh is read alone
+  const bool stays = origin.at == glm::dvec3(0.0) && object_to_world == glm::dmat4(1.0);
+  if (stays || has_origin(mesh, object_to_world, origin.at)) {  // to the bit, as when the mesh is read alone
     all.positions.insert(all.positions.end(), mesh.positions.begin(), mesh.positions.end());
     all.normals.insert(all.normals.end(), mesh.normals.begin(), mesh.normals.end());
   } else {
-    for (const glm::vec3& p : mesh.positions) all.positions.emplace_back(object_to_world * glm::dvec4(p, 1.0));
+    for (const glm::vec3& p : mesh.positions)
+      all.positions.push_back(origin.position_of(glm::dvec3(object_to_world * glm::dvec4(p, 1.0))));
     const glm::dmat3 normals_to_world = glm::transpose(glm::inverse(linear));
     for (const glm::vec3& normal : mesh.normals)
       all.normals.emplace_back(glm::normalize(normals_to_world * glm::dvec3(normal)));
@@ -171,15 +192,15 @@ void append_placed(TriangleMesh& all, const TriangleMesh& mesh, const glm::dmat4
   }
 }
 
-MeshJoiner::MeshJoiner(std::string name, const std::filesystem::path& folder)
-    : name_(std::move(name)), materials_(all_, name_, folder) {}
+MeshJoiner::MeshJoiner(std::string name, const std::filesystem::path& folder, const Origin& origin)
+    : name_(std::move(name)), origin_(origin), materials_(all_, name_, folder) {}
 
 void MeshJoiner::add(const TriangleMesh& mesh, const glm::dmat4& object_to_world, const std::string& source_name) {
   if (all_.positions.size() + mesh.positions.size() > std::numeric_limits<VertexId>::max())
     throw Error(
         {name_, fmt::format("/objects/{}", count_), "makes 2^32 vertices or more of all objects", "use fewer objects"});
   if (all_.texture_coordinates.empty()) all_.texture_origin = mesh.texture_origin;
-  append_placed(all_, mesh, object_to_world);
+  append_placed(all_, mesh, object_to_world, origin_);
   materials_.add_triangles(mesh, source_name);
   ++count_;
 }
@@ -191,6 +212,21 @@ TriangleMesh MeshJoiner::finish() {
   if (!all_.texture_coordinates.empty()) all_.texture_coordinates.resize(vertices, glm::vec2(0.0F));
   materials_.finish();
   return std::move(all_);
+}
+
+// Joins meshes, with an origin where they need one.
+TriangleMesh join(std::span<const PlacedMesh> meshes, const std::filesystem::path& folder, const std::string& name) {
+  Origin origin;
+  if (meshes.size() == 1 && has_origin(*meshes[0].mesh, meshes[0].object_to_world, meshes[0].mesh->origin)) {
+    origin.at = meshes[0].mesh->origin;
+  } else {
+    OriginChooser chooser;
+    for (const PlacedMesh& placed : meshes) add_places(chooser, *placed.mesh, placed.object_to_world);
+    origin = chooser.choose();
+  }
+  MeshJoiner joiner(name, folder, origin);
+  for (const PlacedMesh& placed : meshes) joiner.add(*placed.mesh, placed.object_to_world, placed.source_name);
+  return joiner.finish();
 }
 
 using Progress = std::function<void(const std::string& what, double done)>;
@@ -254,34 +290,70 @@ class SceneStreamer {
         reader_(scene, folder, progress),
         materials_(table_, scene.name, folder) {}
 
-  void run() {
+  // `origin` is that of find_origin().
+  void run(const Origin& origin) {
+    whole_ = origin;
     const auto count = static_cast<double>(scene_.objects.size());
     for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
       if (progress_) progress_("reading " + scene_.name, static_cast<double>(i) / count);
       const std::string name = reader_.name(i);
-      if (const auto* mesh = std::get_if<GeneratedMesh>(&scene_.objects[i].source)) {
-        const MaterialId material = materials_.first_of({}, name);
-        stream_generated(mesh->generator, mesh->values,
-                         [&](const TriangleMesh& piece, std::size_t) { add(piece, i, material); });
-        continue;
-      }
-      if (is_streamable_file(name)) {
-        add_file(i, name);
-        continue;
-      }
-      streamed_.reset();
-      const auto& [mesh, report] = reader_.read_alone(i);
-      sink_.add_left_out(report.left_out);
-      const MaterialId first = materials_.first_of(mesh, name);
-      PieceCutter cutter(arrays_of(mesh));
-      for (std::size_t begin = 0; begin < mesh.triangle_count(); begin += piece_triangles)
-        add(cutter.cut(begin, std::min(mesh.triangle_count(), begin + piece_triangles)), i, first);
+      visit(i, [&](const TriangleMesh& piece, const TriangleMesh& look) {
+        add(piece, i, materials_.first_of(look, name));
+      });
+      add_left_out(i);
     }
   }
 
+  // Returns the origin of all objects together. Reads them, as far as needed: where the first ones show that none is
+  // needed, no more than these.
+  Origin find_origin() {
+    if (scene_.objects.size() == 1 && scene_.objects[0].object_to_world == glm::dmat4(1.0))
+      return {origin_of_first(), 0.0};
+    OriginChooser chooser;
+    for (std::size_t i = 0; i < scene_.objects.size() && !chooser.is_settled(); ++i)
+      visit(i, [&](const TriangleMesh& piece, const TriangleMesh&) { add_places(chooser, piece, place_of(i, piece)); });
+    return chooser.choose();
+  }
+
  private:
+  // Calls take(piece, look), where `look` has the materials of the object.
+  template <typename Take>
+  void visit(std::size_t object, const Take& take) {
+    const std::string name = reader_.name(object);
+    if (const auto* mesh = std::get_if<GeneratedMesh>(&scene_.objects[object].source)) {
+      const TriangleMesh plain;
+      stream_generated(mesh->generator, mesh->values,
+                       [&](const TriangleMesh& piece, std::size_t) { take(piece, plain); });
+      return;
+    }
+    if (is_streamable_file(name)) {
+      open_file(name);
+      streamed_->visit(piece_triangles, [&](const TriangleMesh& piece) { take(piece, piece); });
+      return;
+    }
+    streamed_.reset();
+    const TriangleMesh& mesh = reader_.read_alone(object).mesh;
+    PieceCutter cutter(arrays_of(mesh));
+    for (std::size_t begin = 0; begin < mesh.triangle_count(); begin += piece_triangles)
+      take(cutter.cut(begin, std::min(mesh.triangle_count(), begin + piece_triangles)), mesh);
+  }
+
+  // Counts what was left out of an object that visit() has just read.
+  void add_left_out(std::size_t object) {
+    if (std::holds_alternative<GeneratedMesh>(scene_.objects[object].source)) return;
+    const bool is_streamed = is_streamable_file(reader_.name(object));
+    sink_.add_left_out(is_streamed ? streamed_->left_out() : reader_.read(object).report.left_out);
+  }
+
+  glm::dvec3 origin_of_first() {
+    if (std::holds_alternative<GeneratedMesh>(scene_.objects[0].source)) return glm::dvec3(0.0);
+    if (!is_streamable_file(reader_.name(0))) return reader_.read_alone(0).mesh.origin;
+    open_file(reader_.name(0));
+    return streamed_->origin();
+  }
+
   // Reads consecutive copies of a file once.
-  void add_file(std::size_t object, const std::string& name) {
+  void open_file(const std::string& name) {
     reader_.forget();
     if (!streamed_ || streamed_name_ != name) {
       streamed_.reset();
@@ -290,16 +362,17 @@ class SceneStreamer {
       });
       streamed_name_ = name;
     }
-    sink_.add_left_out(streamed_->left_out());
-    streamed_->visit(piece_triangles,
-                     [&](const TriangleMesh& piece) { add(piece, object, materials_.first_of(piece, name)); });
+  }
+
+  [[nodiscard]] glm::dmat4 place_of(std::size_t object, const TriangleMesh& piece) const {
+    return positions_to_world(scene_.objects[object].object_to_world, piece.origin);
   }
 
   void add(const TriangleMesh& piece, std::size_t object, MaterialId first) {
     TriangleMesh placed;
     if (!piece.texture_coordinates.empty() && !origin_) origin_ = piece.texture_origin;
     placed.texture_origin = origin_.value_or(TextureOrigin::bottom_left);
-    append_placed(placed, piece, scene_.objects[object].object_to_world);
+    append_placed(placed, piece, place_of(object, piece), whole_);
     if (materials_.any()) {
       placed.materials = table_.materials;
       placed.textures = table_.textures;
@@ -316,6 +389,7 @@ class SceneStreamer {
   TriangleMesh table_;  // materials and textures so far
   SceneMaterials materials_;
   std::optional<TextureOrigin> origin_;
+  Origin whole_;
   std::unique_ptr<StreamedMesh> streamed_;  // the most recent file
   std::string streamed_name_;
 };
@@ -324,22 +398,28 @@ class SceneStreamer {
 
 CleanMesh flatten_scene(const SceneDescription& scene, const std::filesystem::path& folder, const Progress& progress) {
   MeshReader reader(scene, folder, progress);
-  MeshJoiner joiner(scene.name, folder);
+  std::vector<PlacedMesh> placed;
   LeftOut left_out;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const CleanMesh& object = reader.read(i);
-    joiner.add(object.mesh, scene.objects[i].object_to_world, reader.name(i));
+    placed.push_back(
+        {&object.mesh, positions_to_world(scene.objects[i].object_to_world, object.mesh.origin), reader.name(i)});
     left_out.add(object.report.left_out);
   }
-  CleanMesh result = clean(joiner.finish(), MeshReport{}, scene.name);
+  CleanMesh result = clean(join(placed, folder, scene.name), MeshReport{}, scene.name);
   result.report.left_out = left_out;
   return result;
 }
 
 hlod::TriangleSource stream_scene(SceneDescription scene, std::filesystem::path folder,
                                   std::function<void(const std::string& what, double done)> progress) {
-  return [scene = std::move(scene), folder = std::move(folder), progress = std::move(progress)](
-             hlod::TriangleSink& sink) { SceneStreamer(scene, folder, progress, sink).run(); };
+  auto origin = std::make_shared<std::optional<Origin>>();  // found when triangles are first asked for
+  return [scene = std::move(scene), folder = std::move(folder), progress = std::move(progress),
+          origin = std::move(origin)](hlod::TriangleSink& sink) {
+    SceneStreamer streamer(scene, folder, progress, sink);
+    if (!*origin) *origin = streamer.find_origin();
+    streamer.run(**origin);
+  };
 }
 
 namespace {
@@ -388,9 +468,7 @@ void make_wedges(TriangleMesh& mesh, const std::vector<WedgeId>& first) {
 
 TriangleMesh join_meshes(std::span<const PlacedMesh> meshes, const std::filesystem::path& folder,
                          const std::string& name) {
-  MeshJoiner joiner(name, folder);
-  for (const PlacedMesh& placed : meshes) joiner.add(*placed.mesh, placed.object_to_world, placed.source_name);
-  TriangleMesh all = joiner.finish();
+  TriangleMesh all = join(meshes, folder, name);
   make_wedges(all, first_wedges(meshes));
   return all;
 }

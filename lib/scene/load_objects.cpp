@@ -252,12 +252,14 @@ std::vector<LoadedHlod> load_hlods(const SceneDescription& scene, const std::fil
     }
     SharedHlod& shared = files[name];
     if (!shared) shared = read(name, paged);
-    hlods.push_back({shared, object.object_to_world, object.two_sided, name});
+    hlods.push_back(
+        {shared, positions_to_world(object.object_to_world, shared->data().origin), object.two_sided, name});
   }
   if (meshes.objects.empty()) return hlods;
   const bool two_sided = std::any_of(meshes.objects.begin(), meshes.objects.end(),
                                      [](const SceneObject& object) { return object.two_sided; });
-  hlods.insert(hlods.begin(), {build(meshes, folder, options), glm::dmat4(1.0), two_sided, scene.name});
+  const SharedHlod all = build(meshes, folder, options);
+  hlods.insert(hlods.begin(), {all, positions_to_world(glm::dmat4(1.0), all->data().origin), two_sided, scene.name});
   return hlods;
 }
 
@@ -278,7 +280,6 @@ class Loader {
 
   LoadedObject load(const SceneObject& object, const SceneDescription& scene, std::size_t index) {
     LoadedObject result;
-    result.object_to_world = object.object_to_world;
     result.two_sided = object.two_sided;
     result.attributes = object.attributes;
     result.source_name = name_of_source(object.source, scene, index, folder_);
@@ -286,6 +287,7 @@ class Loader {
     if (!shared)
       shared = std::visit([&](const auto& source) { return load_source(source, result.source_name); }, object.source);
     result.hierarchy = shared;
+    result.object_to_world = positions_to_world(object.object_to_world, shared->data().origin);
     return result;
   }
 

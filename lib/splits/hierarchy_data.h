@@ -38,6 +38,7 @@ struct HierarchyData {
   std::vector<Texture> textures;
   UninitializedVector<std::uint16_t> attribute_errors;
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
+  glm::dvec3 origin{0.0};
 };
 
 [[nodiscard]] HierarchyView view_of(const HierarchyData& data);

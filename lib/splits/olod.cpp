@@ -150,6 +150,7 @@ OlodFile read_olod(const std::filesystem::path& path, OlodAccess access) {
   view.materials = owner->materials.materials;
   view.textures = owner->materials.textures;
   view.texture_origin = owner->materials.origin;
+  view.origin = reader->read_origin();
   const auto summary = reader->read_one<Summary>(summary_name, "summary");
   const MeshReport report = reader->read_report();
   const auto digests = reader->read<std::uint64_t>(digests_name);
@@ -163,7 +164,7 @@ OlodFile read_olod(const std::filesystem::path& path, OlodAccess access) {
     reader->refuse("section BLOK", "does not have a checksum for every block");
   if (digest_of_base(view) != digests[0]) reader->refuse("base mesh", "is damaged: its checksum is wrong");
   return {guarded_hierarchy(view, owner, guard), report,
-          reader->is_compressed() ? OlodCompression::zstd : OlodCompression::none};
+          reader->is_compressed() ? OlodCompression::zstd : OlodCompression::none, reader->header().version};
 }
 
 namespace {
@@ -192,15 +193,15 @@ void write_olod(const std::filesystem::path& path, const Hierarchy& hierarchy, c
   });
   MaterialSections materials;
   FileKind kind = file_kind;
+  kind.version = needs_wedges(view) ? wedges_version : plain_version;
   if (needs_wedges(view)) {
     for_each_wedge_array(view, [&](std::string_view name, const auto& array, bool has_blocks) {
       if (!array.empty())
         writer.add(name, array, has_blocks ? Check::parts : Check::whole, has_blocks ? codec : Codec::stored);
     });
     materials.add(view, writer);
-  } else {
-    kind.version = plain_version;
   }
+  if (writer.add_origin(view.origin)) kind.version = olod_version;
   const Summary summary{view.box, view.input_triangle_count, view.face_count, view.error_bound, 0};
   const std::vector<std::uint64_t> digests = digests_of(view);
   writer.add(digests_name, std::span<const std::uint64_t>(digests));

@@ -15,8 +15,8 @@
 
 namespace occlod::olod {
 
-// Version of files without texture coordinates, materials and seams.
-inline constexpr std::uint32_t plain_version = 2;
+// Versions of files without an origin, with and without texture coordinates, materials or seams.
+inline constexpr std::uint32_t wedges_version = 3, plain_version = 2;
 
 // The carriage returns and the end-of-file byte reveal a transfer in text mode, as in PNG.
 inline constexpr sections::FileKind file_kind{

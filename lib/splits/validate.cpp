@@ -54,6 +54,11 @@ bool restores_corners(const Hierarchy& hierarchy, const TriangleMesh& mesh) {
 }  // namespace
 
 bool restores(const Hierarchy& hierarchy, const TriangleMesh& mesh) {
+  if (mesh.origin != hierarchy.data().origin) {
+    TriangleMesh moved = mesh;
+    move_origin(moved, hierarchy.data().origin);
+    return restores(hierarchy, moved);
+  }
   if (hierarchy.input_triangle_count() != mesh.triangle_count() || !restores_positions(hierarchy, mesh)) return false;
   const bool has_attributes = !mesh.normals.empty() || !mesh.colors.empty() || !mesh.texture_coordinates.empty() ||
                               !mesh.triangle_materials.empty();

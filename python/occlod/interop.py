@@ -22,6 +22,11 @@ def _from_bottom(mesh: Mesh) -> numpy.typing.NDArray[numpy.float32] | None:
     return coordinates * numpy.float32((1, -1)) + numpy.float32((0, 1))
 
 
+def _coordinates(mesh: Mesh) -> numpy.typing.NDArray[numpy.floating]:
+    """Positions as they are, or coordinates in float64 where the mesh has an origin."""
+    return mesh.positions + numpy.array(mesh.origin) if any(mesh.origin) else mesh.positions
+
+
 def from_trimesh(mesh: trimesh.Trimesh) -> Mesh:
     """A copy, with vertex colours or texture coordinates where the mesh has such. Build from its clean(): trimesh keeps
     equal positions apart."""
@@ -36,13 +41,13 @@ def from_trimesh(mesh: trimesh.Trimesh) -> Mesh:
 
 
 def to_trimesh(mesh: Mesh) -> trimesh.Trimesh:
-    """A copy: trimesh computes in float64. A vertex for each wedge, in their order. Of colours and texture coordinates,
+    """A copy: trimesh computes in float64, and gets coordinates, which are origin + positions. A vertex for each wedge, in their order. Of colours and texture coordinates,
     which trimesh has not both, the latter; without materials."""
     import trimesh
 
     coordinates = _from_bottom(mesh)
     return trimesh.Trimesh(
-        vertices=mesh.positions,
+        vertices=_coordinates(mesh),
         faces=mesh.wedge_triangles,
         vertex_normals=mesh.normals,
         vertex_colors=mesh.colors if coordinates is None else None,
@@ -67,7 +72,7 @@ def from_pyvista(mesh: pyvista.PolyData) -> Mesh:
 
 
 def to_pyvista(mesh: Mesh) -> pyvista.PolyData:
-    """A point for each wedge, without a copy, which keeps the mesh alive; normals and colours as point data "Normals" and
+    """A point for each wedge, without a copy, which keeps the mesh alive, unless the mesh has an origin; normals and colours as point data "Normals" and
     "RGBA", and active texture coordinates."""
     import pyvista
 
@@ -75,7 +80,7 @@ def to_pyvista(mesh: Mesh) -> pyvista.PolyData:
     faces = numpy.empty((len(triangles), 4), numpy.int64)
     faces[:, 0] = 3
     faces[:, 1:] = triangles
-    surface = pyvista.PolyData(mesh.positions, faces.ravel())
+    surface = pyvista.PolyData(_coordinates(mesh), faces.ravel())
     if mesh.normals is not None:
         surface.point_data["Normals"] = mesh.normals
     if mesh.colors is not None:

@@ -24,17 +24,26 @@ from ._occlod import (
 Drawable = Mesh | Refinement | CellCut | WalkedFrame | Cut | Hierarchy | Object
 
 
+def _moved_by(origin: tuple[float, float, float]) -> numpy.typing.NDArray[numpy.float64] | None:
+    """The transform that moves positions to their coordinates."""
+    if not any(origin):
+        return None
+    transform = numpy.eye(4)
+    transform[:3, 3] = origin
+    return transform
+
+
 def draw_objects(what: Drawable | Iterable[Drawable]) -> list[DrawObject]:
     """What draw_items() and shade() take, of meshes, refinements, cuts of any kind, frames of a walk, hierarchies and objects
     at their finest."""
     if isinstance(what, (Refinement, CellCut, WalkedFrame)):
         return what.draw_objects()
     if isinstance(what, Mesh):
-        return [DrawObject(what.positions, what.wedge_triangles, what.colors)]
+        return [DrawObject(what.positions, what.wedge_triangles, what.colors, _moved_by(what.origin))]
     if isinstance(what, Cut):
         return draw_objects(what.mesh())
     if isinstance(what, Hierarchy):
-        return [DrawObject(what.positions, what.cut().wedge_triangles(), what.colors)]
+        return [DrawObject(what.positions, what.cut().wedge_triangles(), what.colors, _moved_by(what.origin))]
     if isinstance(what, Object):
         h = what.hierarchy
         return [DrawObject(h.positions, h.cut().wedge_triangles(), h.colors, what.transform)]

@@ -59,6 +59,17 @@ nb::object contiguous(const ArrayLike& array, const char* name, const char* dtyp
   return converted(checked(array, name, dtype[0] == 'u' ? "u" : "fiu", columns), dtype);
 }
 
+void set_coordinates(TriangleMesh& mesh, const ArrayLike& array, const char* name) {
+  const nb::object values = checked(array, name, "fiu", 3);
+  const nb::object dtype = values.attr("dtype");
+  const bool are_floats =
+      nb::cast<std::string>(dtype.attr("kind")) == "f" && nb::cast<int>(dtype.attr("itemsize")) <= 4;
+  if (are_floats)
+    mesh.positions = copied<glm::vec3>(converted(values, "float32"));
+  else
+    occlod::set_coordinates(mesh, copied<glm::dvec3>(converted(values, "float64")));
+}
+
 std::vector<glm::vec3> to_vectors(const ArrayLike& array, const char* name) {
   return copied<glm::vec3>(contiguous(array, name, "float32", 3));
 }

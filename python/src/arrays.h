@@ -91,6 +91,10 @@ Array2<T, columns> rows_array_of(std::vector<T> values) {
   return rows_view<T, columns>(data, n, owner_of(std::move(kept)));
 }
 
+// The vertices of a mesh: (n, 3), of any type of number. Sets its positions and its origin; its triangles say which are
+// used. TypeError as below.
+void set_coordinates(TriangleMesh& mesh, const ArrayLike& array, const char* name);
+
 // Copies of arrays of the shapes (n, 3), (n, 2) and (n, 4), of any type of number. TypeError for another shape or type.
 [[nodiscard]] std::vector<glm::vec3> to_vectors(const ArrayLike& array, const char* name);
 [[nodiscard]] std::vector<glm::vec2> to_coordinates(const ArrayLike& array, const char* name);

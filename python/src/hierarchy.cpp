@@ -277,6 +277,9 @@ void bind_hierarchy(nb::module_& m) {
       .def_prop_ro("input_triangle_count", &Hierarchy::input_triangle_count, "When all splits are applied.")
       .def_prop_ro(
           "box", [](const Hierarchy& h) { return std::pair(h.box().min, h.box().max); }, "Around all positions.")
+      .def_prop_ro(
+          "origin", [](const Hierarchy& h) { return h.data().origin; },
+          "What positions are relative to: coordinates are origin + positions. See Mesh.origin.")
       .def_prop_ro("error_bound", &Hierarchy::error_bound, "No cut is farther from the input, object units.")
       .def_prop_ro("bytes", &Hierarchy::bytes, "That the arrays occupy.")
       .def("collapses", &collapses,

@@ -179,7 +179,10 @@ void bind_hlod_class(nb::module_& m) {
       .def_prop_ro("level_count", &Hlod::level_count)
       .def_prop_ro("bytes", &Hlod::bytes, "That the arrays occupy.")
       .def_prop_ro(
-          "box", [](const Hlod& h) { return corners(h.data().box); }, "Of the input.")
+          "box", [](const Hlod& h) { return corners(h.data().box); }, "Of the input, relative to origin.")
+      .def_prop_ro(
+          "origin", [](const Hlod& h) { return h.data().origin; },
+          "What positions are relative to: coordinates are origin + positions. See Mesh.origin.")
       .def_prop_ro("input_triangle_count", [](const Hlod& h) { return h.data().input_triangle_count; })
       .def_prop_ro("grouping", [](const Hlod& h) { return h.data().grouping; })
       .def_prop_ro("borders", [](const Hlod& h) { return h.data().borders; })

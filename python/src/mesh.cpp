@@ -44,8 +44,8 @@ struct MeshArrays {
 
 TriangleMesh make_mesh(const ArrayLike& positions, const ArrayLike& triangles, const MeshArrays& arrays) {
   TriangleMesh mesh;
-  mesh.positions = to_vectors(positions, "positions");
   mesh.triangles = to_triangles(triangles, "triangles");
+  set_coordinates(mesh, positions, "positions");
   if (arrays.normals) mesh.normals = to_vectors(*arrays.normals, "normals");
   if (arrays.colors) mesh.colors = to_colors(*arrays.colors, "colors");
   if (arrays.texture_coordinates)
@@ -251,7 +251,8 @@ void bind_mesh(nb::module_& m) {
           "texture_coordinates"_a = nb::none(), nb::kw_only(), "extra_wedges"_a = nb::none(), "corners"_a = nb::none(),
           "triangle_materials"_a = nb::none(), "materials"_a = nb::make_tuple(), "textures"_a = nb::make_tuple(),
           "texture_origin"_a = TextureOrigin::bottom_left,
-          "Copies the arrays: positions (n, 3), normals (n, 3) and texture_coordinates (n, 2) to float32, triangles\n"
+          "Copies the arrays: positions (n, 3), normals (n, 3) and texture_coordinates (n, 2) to float32, relative to\n"
+          "an origin where floats would lose digits of float64 or integer positions, triangles\n"
           "(m, 3) and corners (m, 3) to uint32, colors (n, 4) of uint8, sRGB and alpha, triangle_materials (m,) to\n"
           "uint16. TypeError for other shapes, Error for an index out of range. A mesh with a vertex for each set of\n"
           "attributes needs no corners: clean() finds its wedges.")
@@ -259,7 +260,11 @@ void bind_mesh(nb::module_& m) {
                   "colors"_a = false, "texture_coordinates"_a = false,
                   "A mesh of zeros without seams, to be filled through its arrays without a copy of them.")
       .def_prop_ro("positions", writable<float, 3>(&TriangleMesh::positions),
-                   "(n, 3) float32, object space, one for each wedge. A writable view.")
+                   "(n, 3) float32, object space, relative to origin, one for each wedge. A writable view.")
+      .def_rw(
+          "origin", &TriangleMesh::origin,
+          "What positions are relative to: coordinates are origin + positions. Not 0 where floats would lose digits\n"
+          "of coordinates, such as those of maps. Setting it moves the mesh.")
       .def_prop_ro("triangles", writable<std::uint32_t, 3>(&TriangleMesh::triangles),
                    "(m, 3) uint32, ids of vertices, counter-clockwise seen from outside. A writable view.")
       .def_prop_ro("normals", writable_or_none<float, 3>(&TriangleMesh::normals),
@@ -326,7 +331,9 @@ void bind_mesh(nb::module_& m) {
             require_valid(mesh);
             write_mesh(path, mesh);
           },
-          "path"_a, "As PLY, OBJ, GLB, OFF or STL, by the extension. An old file stays as it was when writing fails.")
+          "path"_a,
+          "As PLY, OBJ, GLB, OFF or STL, by the extension. An old file stays as it was when writing fails. STL has\n"
+          "floats only: its coordinates are relative to the origin.")
       .def("__repr__", [](const TriangleMesh& mesh) {
         return "<occlod.Mesh of " + std::to_string(mesh.vertex_count()) + " vertices and " +
                std::to_string(mesh.triangle_count()) + " triangles>";

@@ -217,7 +217,8 @@ std::vector<PlacedObject> to_objects(nb::handle objects) {
     if (nb::isinstance<PlacedObject>(item)) {
       result.push_back(nb::cast<const PlacedObject&>(item));
     } else if (nb::isinstance<Hierarchy>(item)) {
-      result.push_back({nb::cast<const Hierarchy&>(item), glm::dmat4(1.0), false, ""});
+      const auto& hierarchy = nb::cast<const Hierarchy&>(item);
+      result.push_back({hierarchy, positions_to_world(glm::dmat4(1.0), hierarchy.data().origin), false, ""});
     } else {
       return false;
     }
@@ -235,11 +236,14 @@ void bind_refiner(nb::module_& m) {
           "__init__",
           [](PlacedObject* self, const Hierarchy& hierarchy, const std::optional<ArrayLike>& transform, bool two_sided,
              bool attributes) {
-            const glm::dmat4 matrix = transform ? to_matrix(*transform, "transform") : glm::dmat4(1.0);
+            const glm::dmat4 matrix = transform ? to_matrix(*transform, "transform")
+                                                : positions_to_world(glm::dmat4(1.0), hierarchy.data().origin);
             new (self) PlacedObject{hierarchy, matrix, two_sided, "", attributes};
           },
           "hierarchy"_a, "transform"_a = nb::none(), nb::kw_only(), "two_sided"_a = false, "attributes"_a = true,
-          "`transform`: (4, 4), object to world, affine and invertible; multiplies columns from the left.\n"
+          "`transform`: (4, 4), positions to world, affine and invertible; multiplies columns from the left. None "
+          "moves\n"
+          "by the hierarchy's origin, so that world space is that of the file's coordinates.\n"
           "`attributes`: how far texture coordinates, normals and colours slip counts as an error too.")
       .def_prop_ro("hierarchy", [](const PlacedObject& o) { return o.hierarchy; })
       .def_prop_ro(

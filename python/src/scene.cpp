@@ -106,7 +106,7 @@ void bind_objects(nb::module_& m) {
           [](SceneObject& o, const ArrayLike& transform) { o.object_to_world = to_matrix(transform, "transform"); },
           nb::for_getter(nb::sig("def transform(self) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def transform(self, value: numpy.typing.ArrayLike, /) -> None")),
-          "(4, 4) float64, object to world. A copy: assign a matrix.")
+          "(4, 4) float64, the mesh's coordinates to world. A copy: assign a matrix.")
       .def_rw("two_sided", &SceneObject::two_sided, "Back faces are visible too.")
       .def_rw("attributes", &SceneObject::attributes, "How far attributes slip counts as an error too.");
   nb::class_<CameraPath>(m, "CameraPath", "A camera that moves between keys, or is held at each (`jump`).")

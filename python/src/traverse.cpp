@@ -64,7 +64,8 @@ std::vector<HlodObject> to_hlods(nb::handle objects) {
     if (nb::isinstance<HlodObject>(item)) {
       result.push_back(nb::cast<const HlodObject&>(item));
     } else if (nb::isinstance<Hlod>(item)) {
-      result.push_back({nb::cast<const Hlod&>(item), glm::dmat4(1.0), false, ""});
+      const auto& hlod = nb::cast<const Hlod&>(item);
+      result.push_back({hlod, positions_to_world(glm::dmat4(1.0), hlod.data().origin), false, ""});
     } else {
       return false;
     }
@@ -205,11 +206,14 @@ void bind_traverse(nb::module_& m) {
       .def(
           "__init__",
           [](HlodObject* self, const Hlod& hlod, const std::optional<ArrayLike>& transform, bool two_sided) {
-            const glm::dmat4 matrix = transform ? to_matrix(*transform, "transform") : glm::dmat4(1.0);
+            const glm::dmat4 matrix = transform ? to_matrix(*transform, "transform")
+                                                : positions_to_world(glm::dmat4(1.0), hlod.data().origin);
             new (self) HlodObject{hlod, matrix, two_sided, ""};
           },
           "hlod"_a, "transform"_a = nb::none(), nb::kw_only(), "two_sided"_a = false,
-          "`transform`: (4, 4), object to world, affine and invertible; multiplies columns from the left.")
+          "`transform`: (4, 4), positions to world, affine and invertible; multiplies columns from the left. None "
+          "moves\n"
+          "by the HLOD's origin, so that world space is that of the file's coordinates.")
       .def_prop_ro("hlod", [](const HlodObject& o) { return o.hlod; })
       .def_prop_ro(
           "transform", [](const HlodObject& o) { return from_matrix(o.object_to_world); },

@@ -27,6 +27,11 @@ SceneObject found_part(const SceneObject& object, const std::string& source_name
   return part;
 }
 
+// Moves parts into the space of the positions of their object, which are relative to its origin.
+void move_to_positions(std::vector<SceneObject>& parts, const glm::dvec3& origin) {
+  for (SceneObject& part : parts) part.object_to_world[3] -= glm::dvec4(origin, 0.0);
+}
+
 // Returns what each of the HLODs of load_hlods() consists of: first all meshes together, if any, then each .ohlod file.
 std::vector<std::vector<SceneObject>> parts_of_hlods(const SceneDescription& scene,
                                                      const std::filesystem::path& folder) {
@@ -171,6 +176,7 @@ void Loader::load_meshes(const SceneDescription& scene, LoadedFile& result) {
     PlacedObject& object = result.objects.emplace_back();
     object.name = short_name(scene.objects[i].source, source);
     object.parts = {found_part(scene.objects[i], source, glm::dmat4(1.0))};
+    move_to_positions(object.parts, loaded[i].hierarchy->data().origin);
     object.mesh = mesh;
     object.object_to_world = loaded[i].object_to_world;
     object.placement = placement_of(object.object_to_world);
@@ -198,6 +204,7 @@ void Loader::load_as_hlods(const SceneDescription& scene, LoadedFile& result) {
     PlacedObject& object = result.objects.emplace_back();
     object.name = std::filesystem::path(loaded[i].source_name).stem().string();
     object.parts = parts[i];
+    move_to_positions(object.parts, loaded[i].hlod->data().origin);
     object.hlod = hlod;
     object.object_to_world = loaded[i].object_to_world;
     object.placement = placement_of(object.object_to_world);

@@ -111,7 +111,9 @@ void PieceCollector::add(const TriangleMesh& piece) {
     report_.repeated_index_triangles += piece.triangle_count();
     return;
   }
-  const CleanMesh cleaned = clean(piece, MeshReport{}, fmt::format("piece {}", pieces_), threads_);
+  CleanMesh cleaned = clean(piece, MeshReport{}, fmt::format("piece {}", pieces_), threads_);
+  if (pieces_ == 0) raw_.origin = piece.origin;
+  move_origin(cleaned.mesh, raw_.origin);
   count(cleaned.report);
   append(cleaned.mesh);
   ++pieces_;
@@ -204,6 +206,7 @@ class PieceCollector::Welder {
     result_.materials = std::move(raw_.materials);
     result_.textures = std::move(raw_.textures);
     result_.texture_origin = raw_.texture_origin;
+    result_.origin = raw_.origin;
   }
 
   WedgeMesh run(MeshReport& report) {

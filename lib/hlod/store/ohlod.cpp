@@ -135,7 +135,8 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
   MaterialSections materials;
   if (needs_wedges(view)) materials.add(view, writer);
   FileKind kind = file_kind;
-  if (!is_packed) kind.version = needs_wedges(view) ? wedges_version : plain_version;
+  kind.version = is_packed ? packed_version : needs_wedges(view) ? wedges_version : plain_version;
+  if (writer.add_origin(view.origin)) kind.version = ohlod_version;
   writer.write(path, kind);
 }
 
@@ -192,6 +193,7 @@ Tables read_tables(const std::shared_ptr<SectionReader>& reader) {
   for_each_array(view, TableReader{*reader});
   take(reader->read_one<Summary>(summary_name, "summary"), *reader, view);
   if (reader->has(lattice_name)) view.lattice_step = reader->read_one<float>(lattice_name, "lattice step");
+  view.origin = reader->read_origin();
   tables.owner = std::make_shared<Owner>(Owner{reader, read_materials(*reader), {}, {}, {}});
   if (reader->header().version <= last_narrow_version) {
     tables.owner->nodes.assign(view.nodes.begin(), view.nodes.end());

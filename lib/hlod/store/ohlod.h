@@ -10,8 +10,9 @@
 
 namespace occlod::ohlod {
 
-// These are the versions of files that are not packed, with and without texture coordinates, materials or seams.
-inline constexpr std::uint32_t wedges_version = 5, plain_version = 4;
+// These are the versions of files without an origin: packed or not, and of the latter, with and without texture
+// coordinates, materials or seams.
+inline constexpr std::uint32_t packed_version = 6, wedges_version = 5, plain_version = 4;
 // In files of these versions the boxes of nodes do not hold what has vanished.
 inline constexpr std::uint32_t oldest_version = 1, last_narrow_version = 3;
 

@@ -368,8 +368,9 @@ bool is_level_zero(const Hlod& hlod, const TriangleMesh& mesh) {
 // Sums a set of triangles, whatever their order.
 class TriangleSum final : public TriangleSink {
  public:
-  // Rounds pieces to the lattice, if there is one.
-  explicit TriangleSum(float lattice_step = 0.0F) : step_(lattice_step) {}
+  // Moves pieces to this origin, and rounds them to the lattice, if there is one.
+  explicit TriangleSum(const glm::dvec3& origin = glm::dvec3(0.0), float lattice_step = 0.0F)
+      : origin_(origin), step_(lattice_step) {}
 
   void add(const Triangle& t, std::span<const glm::vec3> positions) {
     const TriangleKey key = key_of(t, positions);
@@ -384,6 +385,11 @@ class TriangleSum final : public TriangleSink {
   }
 
   void add(const TriangleMesh& piece) override {
+    if (piece.origin != origin_) {
+      TriangleMesh moved = piece;
+      move_origin(moved, origin_);
+      return add(moved);
+    }
     positions_ = piece.positions;
     for (glm::vec3& p : positions_) p = round_to_lattice(p, step_);
     for (const Triangle& t : piece.wedge_triangles()) {
@@ -397,6 +403,7 @@ class TriangleSum final : public TriangleSink {
   }
 
  private:
+  glm::dvec3 origin_;
   float step_;
   std::vector<glm::vec3> positions_;  // of a piece
   std::uint64_t count_ = 0, low_ = 0, high_ = 0;
@@ -405,8 +412,9 @@ class TriangleSum final : public TriangleSink {
 }  // namespace
 
 bool restores(const Hlod& hlod, const TriangleMesh& mesh) {
-  if (hlod.data().lattice_step > 0.0F) {
+  if (hlod.data().lattice_step > 0.0F || hlod.data().origin != mesh.origin) {
     TriangleMesh rounded = mesh;
+    move_origin(rounded, hlod.data().origin);
     round_to_lattice(rounded, hlod.data().lattice_step);
     return is_level_zero(hlod, clean(std::move(rounded), {}, "rounded mesh").mesh);
   }
@@ -414,7 +422,7 @@ bool restores(const Hlod& hlod, const TriangleMesh& mesh) {
 }
 
 bool restores(const Hlod& hlod, const TriangleSource& source) {
-  TriangleSum restored, given(hlod.data().lattice_step);
+  TriangleSum restored, given(hlod.data().origin, hlod.data().lattice_step);
   for (NodeId n = 0; n < hlod.node_count(); ++n) {
     if (hlod.node(n).level > 0) continue;
     hlod.require(n);

@@ -230,12 +230,13 @@ void check(const hlod::Hlod& hlod) {
   if (view.levels.size() > max_levels) throw Error({"HLOD", "", "has more than 100 levels", "build it again"});
 }
 
-std::optional<glm::dmat4> transform_of(const TilesetOptions& options) {
-  if (!options.origin && options.up == UpAxis::z) return std::nullopt;
+// Returns the transform of the root, from positions of the HLOD to the tileset.
+std::optional<glm::dmat4> transform_of(const TilesetOptions& options, const glm::dvec3& origin) {
+  if (!options.origin && options.up == UpAxis::z && origin == glm::dvec3(0.0)) return std::nullopt;
   glm::dmat4 transform(1.0);
   if (options.origin) transform = east_north_up(*options.origin);
   if (options.up == UpAxis::y) transform = {transform[0], transform[2], -transform[1], transform[3]};
-  return transform;
+  return positions_to_world(transform, origin);
 }
 
 class TilesetWriter {
@@ -263,7 +264,7 @@ class TilesetWriter {
       write_tile(n);
     }
     tree_.complete(TileError::guaranteed, tiles_per_file_);
-    counts_.tileset_files = write_tileset_json(folder_, tree_, transform_of(options_), images());
+    counts_.tileset_files = write_tileset_json(folder_, tree_, transform_of(options_, hlod_.data().origin), images());
     counts_.bytes = folder_.bytes();
     check_tileset_output(path_, options_.replace);  // again: what came meanwhile is not removed
     folder_.commit();

@@ -97,9 +97,9 @@ struct FixedCut {
 // Makes a separate mesh from a cut, as mesh_of() does. O(n).
 [[nodiscard]] TriangleMesh cut_mesh(const Hierarchy& hierarchy, const FixedCut& cut);
 
-// Version of the .olod files that write_olod() writes; read_olod() refuses any other. An .olod file holds a hierarchy
-// as versioned, checksummed sections; docs/guide/file_format.md describes the layout.
-inline constexpr std::uint32_t olod_version = 3;
+// Version of .olod files with an origin; others have version 3, or 2 without texture coordinates, materials and seams.
+// An .olod file holds a hierarchy as versioned, checksummed sections; docs/guide/file_format.md describes the layout.
+inline constexpr std::uint32_t olod_version = 4;
 
 // How the arrays of a file are stored.
 enum class OlodCompression {
@@ -118,6 +118,7 @@ struct OlodFile {
   Hierarchy hierarchy;                                  // mapped or in memory
   MeshReport report;                                    // report on the mesh from which it was built
   OlodCompression compression = OlodCompression::none;  // compression of the file
+  std::uint32_t version = olod_version;                 // version of the file
 };
 
 // Writes beside `path` and renames, so that an existing file stays as it was when writing fails. The same arguments

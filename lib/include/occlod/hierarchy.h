@@ -66,7 +66,7 @@ struct SplitNode {
 struct HierarchyView {
   // Wedges: first one for each vertex of the base mesh, then one for vertex base_vertex_count + s of each split s, then
   // the extra ones. See TriangleMesh.
-  std::span<const glm::vec3> positions;    // object space
+  std::span<const glm::vec3> positions;    // object space, relative to `origin`
   std::span<const glm::vec3> normals;      // unit length, one per wedge; empty when the input had none
   std::span<const glm::u8vec4> colors;     // sRGB and alpha, one per wedge; empty when the input had none
   std::span<const SplitNode> nodes;        // from coarse to fine, and a sentinel that ends the last split's star
@@ -90,6 +90,7 @@ struct HierarchyView {
   std::span<const Texture> textures;                // indexed by materials
   std::span<const std::uint16_t> attribute_errors;  // one per split, see Hierarchy::attribute_error()
   TextureOrigin texture_origin = TextureOrigin::bottom_left;  // origin of texture_coordinates
+  glm::dvec3 origin{0.0};  // coordinates are origin + position, see TriangleMesh::origin and positions_to_world()
 };
 
 class SplitGuard;

@@ -29,7 +29,8 @@ class TriangleSink {
   virtual ~TriangleSink() = default;
   // A piece: any triangle soup, with ids into its own positions. Normals and colours are kept when every piece has
   // them, texture coordinates when any has: the others lie at (0, 0). Each piece has the materials and textures of
-  // those before it, perhaps with more behind them, or none. Throws Error as clean() does.
+  // those before it, perhaps with more behind them, or none. All have the origin of the first piece, or are moved to
+  // it. Throws Error as clean() does.
   virtual void add(const TriangleMesh& piece) = 0;
   // Counts of what the source leaves out of its files; sinks that make no report ignore them.
   virtual void add_left_out(const LeftOut& /*counts*/) {}
@@ -154,6 +155,7 @@ struct HlodView {
   std::span<const Texture> textures;       // that materials index
   TextureOrigin texture_origin = TextureOrigin::bottom_left;  // of texture coordinates
   float lattice_step = 0.0F;  // all coordinates are multiples of it, HlodBuildOptions::quantise_bits; 0: as the input's
+  glm::dvec3 origin{0.0};     // coordinates are origin + position, see TriangleMesh::origin and positions_to_world()
 };
 
 inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes, and of its splits

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -58,7 +59,7 @@ struct Material {
 // vertex's position for it, so that the arrays can be drawn as they are, with `corners` as indices. Without extra
 // wedges, wedges and vertices are the same and `triangles` is all that is needed.
 struct TriangleMesh {
-  std::vector<glm::vec3> positions;            // object space, object units; one per wedge
+  std::vector<glm::vec3> positions;            // object space, relative to `origin`, object units; one per wedge
   std::vector<glm::vec3> normals;              // unit length; empty or one per wedge
   std::vector<glm::u8vec4> colors;             // sRGB and alpha; empty or one per wedge
   std::vector<glm::vec2> texture_coordinates;  // as the file has them; empty or one per wedge
@@ -70,6 +71,9 @@ struct TriangleMesh {
   std::vector<Material> materials;             // indexed by triangle_materials
   std::vector<Texture> textures;               // indexed by materials
   TextureOrigin texture_origin = TextureOrigin::bottom_left;  // origin of texture_coordinates
+  // What positions are relative to: coordinates are origin + position. Not 0 where coordinates have more digits than
+  // floats, such as those of maps: readers then choose a place near the middle of the mesh.
+  glm::dvec3 origin{0.0};
 
   // Returns the number of vertices; extra wedges do not count.
   [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() - extra_wedges.size(); }
@@ -90,6 +94,17 @@ struct TriangleMesh {
     return triangle_materials.empty() ? MaterialId{0} : triangle_materials[t];
   }
 };
+
+// Moves the origin of a mesh: coordinates stay where they are, to the nearest floats. O(vertices).
+void move_origin(TriangleMesh& mesh, const glm::dvec3& origin);
+
+// Returns the transform that places the positions of a mesh with this origin, when `object_to_world` places its
+// coordinates: what all scenes, refiners, traversers and pictures expect.
+[[nodiscard]] glm::dmat4 positions_to_world(const glm::dmat4& object_to_world, const glm::dvec3& origin);
+
+// Sets positions, and the origin where floats would lose digits: they would move a coordinate that triangles use, if
+// there are any, by more than a millionth of the largest side of the box around these. O(n).
+void set_coordinates(TriangleMesh& mesh, std::span<const glm::dvec3> coordinates);
 
 // Counts what a file holds and a TriangleMesh does not, by name and in the file's own terms: "facet normals",
 // "lines (l)", "property quality of vertex". Attributes that corners of triangles use are kept; they count only when no

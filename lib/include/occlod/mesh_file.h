@@ -12,11 +12,12 @@
 namespace occlod {
 
 // Reads a mesh and cleans it with clean(). The extension decides the format, in upper or lower case. Polygons are cut
-// into triangles: convex ones as fans, others by ear clipping in their plane. Throws Error that names the file, the
-// line or element and the remedy for anything missing, empty, truncated, malformed or not finite. Expected O(n) time;
-// memory is a small multiple of the file's size. `progress` is called from time to time with the share of the file that
-// has been read, in [0, 1], and with 1 before cleaning; an exception that it throws ends the reading. `threads` is as
-// for clean().
+// into triangles: convex ones as fans, others by ear clipping in their plane. Coordinates that floats would move by
+// more than a millionth of the mesh's largest side become relative to TriangleMesh::origin. Throws Error that names the
+// file, the line or element and the remedy for anything missing, empty, truncated, malformed or not finite. Expected
+// O(n) time; memory is a small multiple of the file's size. `progress` is called from time to time with the share of
+// the file that has been read, in [0, 1], and with 1 before cleaning; an exception that it throws ends the reading.
+// `threads` is as for clean().
 [[nodiscard]] CleanMesh read_mesh(const std::filesystem::path& path, const std::function<void(double)>& progress = {},
                                   int threads = 0);
 
@@ -26,7 +27,9 @@ namespace occlod {
 // without alpha; in PLY normals, colours, texture coordinates and names of textures; in GLB everything, with triangles
 // sorted by material. Reading restores the wedges. When the format has another texture origin than the mesh, v is
 // written as 1 - v. Names of textures are written as the mesh has them, relative to its own file; images that the mesh
-// holds stay inside GLB and become files beside OBJ and PLY. Throws Error that names the file. O(n).
+// holds stay inside GLB and become files beside OBJ and PLY. With an origin coordinates are doubles in PLY, have all
+// their digits in OBJ and OFF, and GLB has a node at the origin; STL holds floats only, so its coordinates stay
+// relative to the origin, which its header names. Throws Error that names the file. O(n).
 void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
 
 // Passes a mesh without attributes to `visit` in parts, the same parts at each call.

@@ -105,10 +105,11 @@ namespace occlod {
 
 // The .ohlod file: an HLOD as versioned, checksummed sections. The layout is described in docs/guide/hlod.md.
 
-// Version of compressed files. Others have version 5, or 4 without texture coordinates, materials and seams.
+// Version of files with an origin. Others have version 6 when compressed, else 5, or 4 without texture coordinates,
+// materials and seams.
 // read_ohlod() reads also versions 1 to 3, in which boxes of nodes do not hold what has vanished: it takes the larger
 // boxes around all that is below in their place, so what is drawn is right, but more of it is than of a new file.
-inline constexpr std::uint32_t ohlod_version = 6;
+inline constexpr std::uint32_t ohlod_version = 7;
 
 // What a file holds.
 struct OhlodFile {

@@ -12,9 +12,9 @@ namespace occlod {
 
 // Replaces the content of `out`, a TriMesh_ArrayKernelT. Vertex i becomes vertex handle i. Normals and colours are
 // copied where both sides have them (request_vertex_normals(), request_vertex_colors() before), those of a vertex's
-// first wedge; merge_wedges() before this gives their mean. Returns how many
-// triangles OpenMesh refused because a half-edge mesh cannot hold them: those with a repeated corner, on a non-manifold
-// edge or against the orientation of a neighbour. O(n).
+// first wedge; merge_wedges() before this gives their mean. Points are positions, relative to mesh.origin. Returns how
+// many triangles OpenMesh refused because a half-edge mesh cannot hold them: those with a repeated corner, on a
+// non-manifold edge or against the orientation of a neighbour. O(n).
 template <class Mesh>
 [[nodiscard]] std::size_t to_openmesh(const TriangleMesh& mesh, Mesh& out) {
   using Scalar = typename OpenMesh::vector_traits<typename Mesh::Point>::value_type;

@@ -120,7 +120,7 @@ struct LoadOptions {
 // One object, ready to be refined.
 struct LoadedObject {
   std::shared_ptr<const Hierarchy> hierarchy;  // shared by objects with the same source
-  glm::dmat4 object_to_world{1.0};             // as in the scene
+  glm::dmat4 object_to_world{1.0};             // of its positions: as in the scene, after a move by its origin
   bool two_sided = false;                      // as in the scene
   std::string source_name;                     // file or generator, for people
   bool attributes = true;                      // as in the scene
@@ -132,13 +132,13 @@ struct LoadedObject {
 [[nodiscard]] std::vector<LoadedObject> load_objects(const SceneDescription& scene, const std::filesystem::path& folder,
                                                      const LoadOptions& options = {});
 
-// Returns all objects as one clean mesh in world space. Triangles of mirrored objects are reversed, so that outsides
-// stay outside, and vertices of different objects at one position become one. Normals and colours are kept when every
-// object has them, texture coordinates and materials when any has; objects without them get (0, 0) and a plain
-// material. Names of images become relative to `folder`, or absolute for images elsewhere. The report counts what the
-// meshes left out. Mesh files are read in full, hierarchies at their finest. `progress` is as in LoadOptions. Throws
-// Error as load_objects() does, and when all objects together have 2^32 vertices or more, or reach too far. O(size of
-// all objects).
+// Returns all objects as one clean mesh in world space, with an origin where floats would lose digits. Triangles of
+// mirrored objects are reversed, so that outsides stay outside, and vertices of different objects at one position
+// become one. Normals and colours are kept when every object has them, texture coordinates and materials when any has;
+// objects without them get (0, 0) and a plain material. Names of images become relative to `folder`, or absolute for
+// images elsewhere. The report counts what the meshes left out. Mesh files are read in full, hierarchies at their
+// finest. `progress` is as in LoadOptions. Throws Error as load_objects() does, and when all objects together have 2^32
+// vertices or more, or reach too far. O(size of all objects).
 [[nodiscard]] CleanMesh flatten_scene(const SceneDescription& scene, const std::filesystem::path& folder,
                                       const std::function<void(const std::string& what, double done)>& progress = {});
 
@@ -157,17 +157,17 @@ struct LoadedObject {
 // A mesh and its placement.
 struct PlacedMesh {
   const TriangleMesh* mesh = nullptr;  // valid, see TriangleMesh; must outlive the call
-  glm::dmat4 object_to_world{1.0};     // affine, invertible
+  glm::dmat4 object_to_world{1.0};     // of its positions, see positions_to_world(); affine, invertible
   std::string source_name;             // its file or generator; names of images start in the file's folder, and meshes
                                        // with one source name share their materials
 };
 
-// Joins meshes into one in world space; vertices and wedges of different meshes stay separate. Triangles of mirrored
-// objects are reversed, so that outsides stay outside. Normals and colours are kept when every mesh has them, texture
-// coordinates and materials when any has; meshes without them get (0, 0) and a plain material. Names of images become
-// relative to `folder`, in which the result is to be written, or absolute for images elsewhere. Throws Error with
-// `name` as its subject when all meshes together have 2^32 wedges or more, or more than 65,535 materials or textures.
-// O(size of all).
+// Joins meshes into one in world space, with an origin where floats would lose digits; vertices and wedges of different
+// meshes stay separate. Triangles of mirrored objects are reversed, so that outsides stay outside. Normals and colours
+// are kept when every mesh has them, texture coordinates and materials when any has; meshes without them get (0, 0) and
+// a plain material. Names of images become relative to `folder`, in which the result is to be written, or absolute for
+// images elsewhere. Throws Error with `name` as its subject when all meshes together have 2^32 wedges or more, or more
+// than 65,535 materials or textures. O(size of all).
 [[nodiscard]] TriangleMesh join_meshes(std::span<const PlacedMesh> meshes, const std::filesystem::path& folder,
                                        const std::string& name);
 
@@ -175,7 +175,8 @@ struct PlacedMesh {
 struct LoadedHlod {
   std::shared_ptr<const hlod::Hlod> hlod;  // shared by objects with the same file; all its meshes have been checked or
                                            // are in a store
-  glm::dmat4 object_to_world{1.0};         // as in the scene; the identity where objects were flattened
+  glm::dmat4 object_to_world{1.0};         // of its positions: as in the scene, or the identity where objects were
+                                           // flattened, after a move by its origin
   bool two_sided = false;                  // as in the scene; where objects were flattened, true if any of them is
                                            // two-sided
   std::string source_name;                 // the file or, where objects were flattened, the scene
