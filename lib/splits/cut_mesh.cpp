@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <utility>
 
 #include "occlod/build_hierarchy.h"
@@ -102,7 +103,7 @@ FixedCut make_cut(const Hierarchy& hierarchy, const IsApplied& is_applied) {
       cut.triangles = grown(hierarchy, cut.triangles, s);
     } else {
       cut.guaranteed_error = std::max(cut.guaranteed_error, node.guaranteed_error);
-      cut.error = std::max(cut.error, node.error);
+      cut.error = std::max(cut.error, std::hypot(node.error, hierarchy.attribute_error(s)));
     }
   }
   return cut;
@@ -202,7 +203,9 @@ FixedCut cut_to_triangles(const Hierarchy& hierarchy, std::size_t max_triangles)
 }
 
 FixedCut cut_to_error(const Hierarchy& hierarchy, double max_error) {
-  return make_cut(hierarchy, [&](SplitId s) { return hierarchy.node(s).guaranteed_error > max_error; });
+  return make_cut(hierarchy, [&](SplitId s) {
+    return std::max(hierarchy.node(s).guaranteed_error, hierarchy.attribute_error(s)) > max_error;
+  });
 }
 
 std::vector<Triangle> triangles_of(const Hierarchy& hierarchy, const FixedCut& cut) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <map>
 
 #include "occlod/base.h"
@@ -160,6 +161,80 @@ TEST(Wedges, AttributesAreWorthTrianglesWhereTheSurfaceIsFlat) {
     return largest;
   };
   EXPECT_LT(worst(1.0), 0.1 * worst(0.0));
+}
+
+// Returns the value that a flat mesh interpolates at p, from one value per vertex.
+template <typename T>
+T value_at(const TriangleMesh& mesh, const std::vector<T>& values, const glm::vec2& p) {
+  T nearest{};
+  float most_inside = -std::numeric_limits<float>::infinity();
+  for (const Triangle& t : mesh.triangles) {
+    const glm::vec2 o(mesh.positions[t.x]), a = glm::vec2(mesh.positions[t.y]) - o,
+                                            b = glm::vec2(mesh.positions[t.z]) - o, q = p - o;
+    const float area = a.x * b.y - a.y * b.x;
+    if (!(area > 0.0F)) continue;
+    const float y = (q.x * b.y - q.y * b.x) / area, z = (a.x * q.y - a.y * q.x) / area, x = 1.0F - y - z;
+    if (const float inside = std::min({x, y, z}); inside > most_inside) {
+      most_inside = inside;
+      nearest = x * values[t.x] + y * values[t.y] + z * values[t.z];
+    }
+  }
+  return nearest;
+}
+
+// A flat sheet of 45 x 45 cells; `paint(vertex, distance from the middle)` sets its attributes.
+template <typename Paint>
+TriangleMesh painted_sheet(const Paint& paint) {
+  TriangleMesh mesh = test::grid(45, 45);
+  for (VertexId v = 0; v < mesh.vertex_count(); ++v)
+    paint(mesh, v, glm::distance(glm::vec2(mesh.positions[v]), glm::vec2(0.5F)));
+  return mesh;
+}
+
+// The root of the mean squared difference between two meshes over the middles of the triangles of `mesh`.
+template <typename T>
+double rms_difference(const TriangleMesh& mesh, const std::vector<T>& values, const TriangleMesh& other,
+                      const std::vector<T>& other_values) {
+  double sum = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    const glm::vec3 middle = (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0F;
+    const T change =
+        (values[t.x] + values[t.y] + values[t.z]) / 3.0F - value_at(other, other_values, glm::vec2(middle));
+    sum += static_cast<double>(glm::dot(change, change));
+  }
+  return std::sqrt(sum / static_cast<double>(mesh.triangle_count()));
+}
+
+std::vector<glm::vec3> colors_of(const TriangleMesh& mesh) {
+  std::vector<glm::vec3> colors;
+  for (const glm::u8vec4& c : mesh.colors) colors.push_back(glm::vec3(c) / 255.0F);
+  return colors;
+}
+
+TEST(Wedges, ColorsWeighWithoutTextureCoordinates) {
+  const TriangleMesh mesh = painted_sheet([](TriangleMesh& sheet, VertexId, float distance) {
+    sheet.colors.push_back(distance < 0.1F   ? glm::u8vec4(255, 0, 0, 255)
+                           : distance < 0.3F ? glm::u8vec4(255, 255, 255, 255)
+                                             : glm::u8vec4(51, 153, 51, 255));
+  });
+  const Hierarchy hierarchy = build(mesh, 64);
+  const FixedCut cut = cut_to_triangles(hierarchy, 500);
+  const TriangleMesh coarse = cut_mesh(hierarchy, cut);
+  EXPECT_LT(rms_difference(mesh, colors_of(mesh), coarse, colors_of(coarse)), 0.04);
+  const FixedCut coarsest = cut_to_triangles(hierarchy, 64);
+  EXPECT_GT(coarsest.error, 0.001F) << "the surface is flat, but the discs are not there";
+  EXPECT_GT(cut_to_error(hierarchy, 1e-4).triangles, 64U);
+}
+
+TEST(Wedges, NormalsWeighWithoutTextureCoordinates) {
+  const TriangleMesh mesh = painted_sheet([](TriangleMesh& sheet, VertexId, float distance) {
+    const float slope = distance < 0.3F ? 1.0F : 0.0F;
+    sheet.normals.push_back(glm::normalize(glm::vec3(slope, 0.0F, 1.0F)));
+  });
+  const Hierarchy hierarchy = build(mesh, 64);
+  const TriangleMesh coarse = cut_mesh(hierarchy, cut_to_triangles(hierarchy, 500));
+  EXPECT_LT(rms_difference(mesh, mesh.normals, coarse, coarse.normals), 0.06);
+  EXPECT_GT(cut_to_triangles(hierarchy, 64).error, 0.001F);
 }
 
 TEST(Wedges, ALineOfTheTextureHasNoLengthToSlip) {
@@ -348,7 +423,7 @@ TEST(Wedges, RestoresLooksAtEveryCorner) {
   EXPECT_TRUE(restores(hierarchy, changed));
 }
 
-TEST(Wedges, MeshesWithoutSeamsHaveNone) {
+TEST(Wedges, MeshesWithoutAttributesHaveNone) {
   const Hierarchy hierarchy = build(test::noisy_sphere(3, 1), 20);
   EXPECT_FALSE(hierarchy.has_seams());
   EXPECT_TRUE(hierarchy.data().corner_starts.empty());

@@ -68,7 +68,8 @@ struct FixedCut {
   std::size_t splits = 0;         // number of applied splits
   std::size_t triangles = 0;      // of the cut
   float guaranteed_error = 0.0F;  // bound on the distance between the cut and the input, object units; 0 = the input
-  float error = 0.0F;             // largest quadric error of a split that is not applied, object units
+  float error = 0.0F;             // largest error of a split that is not applied, quadric and attribute error
+                                  // together, about a root mean square, object units
 };
 
 // Applies all splits, which gives the input mesh. O(n). Like all functions for cuts it throws Error when a mapped file
@@ -79,8 +80,8 @@ struct FixedCut {
 // returns the base mesh when even that has more. O(n).
 [[nodiscard]] FixedCut cut_to_triangles(const Hierarchy& hierarchy, std::size_t max_triangles);
 
-// Returns the smallest cut whose guaranteed error is at most `max_error` (>= 0, object units): exactly the splits with
-// a larger bound are applied. O(n).
+// Returns the smallest cut whose guaranteed error and whose attribute errors are at most `max_error` (>= 0, object
+// units): exactly the splits with a larger one are applied. O(n).
 [[nodiscard]] FixedCut cut_to_error(const Hierarchy& hierarchy, double max_error);
 
 // Returns the triangles of a cut as ids of the hierarchy's vertices: base faces first, then by split and slot. O(n).
