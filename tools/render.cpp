@@ -29,6 +29,7 @@
 #include "render_options.h"
 #include "render_path.h"
 #include "render_report.h"
+#include "standard_streams.h"
 #include "world_mesh.h"
 
 namespace occlod::tool {
@@ -40,8 +41,9 @@ void write_outputs(const RenderInput& input, const RenderOptions& options, const
   if (!options.png.empty()) write_png(options.png, shade(measurement.items(), objects, view, {.textures = textures}));
   if (!options.birdseye.empty())
     write_png(options.birdseye, birdseye(objects, measurement.items(), view, View(birdseye_camera(objects, view))));
-  if (!options.mesh.empty())
-    write_mesh(options.mesh, world_mesh(input.objects, measurement.refinement(), options.mesh));
+  if (options.mesh.empty()) return;
+  const TriangleMesh mesh = world_mesh(input.objects, measurement.refinement(), options.mesh);
+  for (const std::string& note : write_mesh(options.mesh, mesh)) print_note(note);
 }
 
 void render_view(const RenderInput& input, const RenderOptions& options, RefineWay& way,

@@ -191,6 +191,7 @@ TriangleMesh take_mesh(PolygonSoup& soup, MeshReport& report, const FileErrors& 
   mesh.materials = std::move(soup.materials);
   mesh.textures = std::move(soup.textures);
   mesh.texture_origin = soup.texture_origin;
+  mesh.up = soup.up;
   soup = {};
   return mesh;
 }

@@ -299,6 +299,7 @@ class Creaser {
     result_.materials = mesh_.materials;
     result_.textures = mesh_.textures;
     result_.texture_origin = mesh_.texture_origin;
+    result_.up = mesh_.up;
     return std::move(result_);
   }
 

@@ -228,6 +228,7 @@ class Assembler {
     result_.data.materials = mesh_.materials;
     result_.data.textures = mesh_.textures;
     result_.data.texture_origin = mesh_.texture_origin;
+    result_.data.up = mesh_.up;
     result_.data.box = bounding_box(result_.data.positions);
     result_.data.input_triangle_count = mesh_.triangle_count();
   }

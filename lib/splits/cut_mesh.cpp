@@ -116,6 +116,7 @@ class Compaction {
     mesh_.materials = {data_.materials.begin(), data_.materials.end()};
     mesh_.textures = {data_.textures.begin(), data_.textures.end()};
     mesh_.texture_origin = data_.texture_origin;
+    mesh_.up = data_.up;
   }
 
   void add(Triangle triangle) {

@@ -37,7 +37,8 @@ HierarchyView view_of(const HierarchyData& data) {
           data.materials,
           data.textures,
           data.attribute_errors,
-          data.texture_origin};
+          data.texture_origin,
+          data.up};
 }
 
 Hierarchy make_hierarchy(HierarchyData data) {
@@ -77,7 +78,8 @@ HierarchyData copy_data(const Hierarchy& hierarchy) {
           {view.materials.begin(), view.materials.end()},
           {view.textures.begin(), view.textures.end()},
           to_vector(view.attribute_errors),
-          view.texture_origin};
+          view.texture_origin,
+          view.up};
 }
 
 Hierarchy::Hierarchy(const HierarchyView& view, std::shared_ptr<const void> owner)

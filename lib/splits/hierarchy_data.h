@@ -38,6 +38,7 @@ struct HierarchyData {
   std::vector<Texture> textures;
   UninitializedVector<std::uint16_t> attribute_errors;
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
+  UpAxis up = UpAxis::z;
 };
 
 [[nodiscard]] HierarchyView view_of(const HierarchyData& data);

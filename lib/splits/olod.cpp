@@ -150,6 +150,7 @@ OlodFile read_olod(const std::filesystem::path& path, OlodAccess access) {
   view.materials = owner->materials.materials;
   view.textures = owner->materials.textures;
   view.texture_origin = owner->materials.origin;
+  view.up = owner->materials.up;
   const auto summary = reader->read_one<Summary>(summary_name, "summary");
   const MeshReport report = reader->read_report();
   const auto digests = reader->read<std::uint64_t>(digests_name);
@@ -182,7 +183,7 @@ std::vector<std::uint64_t> digests_of(const HierarchyView& view) {
 }  // namespace
 
 void write_olod(const std::filesystem::path& path, const Hierarchy& hierarchy, const MeshReport& report,
-                OlodCompression compression) {
+                OlodCompression compression, const std::filesystem::path& image_folder) {
   hierarchy.require_all();
   const HierarchyView& view = hierarchy.data();
   const Codec codec = compression == OlodCompression::zstd ? Codec::zstd : Codec::stored;
@@ -197,10 +198,10 @@ void write_olod(const std::filesystem::path& path, const Hierarchy& hierarchy, c
       if (!array.empty())
         writer.add(name, array, has_blocks ? Check::parts : Check::whole, has_blocks ? codec : Codec::stored);
     });
-    materials.add(view, writer);
   } else {
     kind.version = plain_version;
   }
+  if (needs_wedges(view) || view.up != UpAxis::z) materials.add(view, writer, {image_folder, folder_of(path)});
   const Summary summary{view.box, view.input_triangle_count, view.face_count, view.error_bound, 0};
   const std::vector<std::uint64_t> digests = digests_of(view);
   writer.add(digests_name, std::span<const std::uint64_t>(digests));

@@ -101,6 +101,7 @@ TriangleMesh in_spatial_order(const TriangleMesh& mesh, unsigned threads) {
   result.materials = mesh.materials;
   result.textures = mesh.textures;
   result.texture_origin = mesh.texture_origin;
+  result.up = mesh.up;
   result.triangles.resize(mesh.triangles.size());
   for_each_id(mesh.triangles.size(), threads, [&, &new_id = new_id](std::uint32_t f) {
     const Triangle& t = mesh.triangles[f];

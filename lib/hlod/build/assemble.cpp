@@ -131,6 +131,7 @@ class Assembler {
     data_.materials = input.materials;
     data_.textures = input.textures;
     data_.texture_origin = input.texture_origin;
+    data_.up = input.up;
   }
 
   template <typename Visit>

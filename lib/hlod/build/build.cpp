@@ -161,6 +161,7 @@ void PieceCollector::append(const TriangleMesh& piece) {
     raw_.textures = piece.textures;
     raw_.texture_origin = piece.texture_origin;
   }
+  raw_.up = piece.up;
   for (const Triangle& t : piece.wedge_triangles()) raw_.triangles.push_back(t + static_cast<VertexId>(first));
 }
 
@@ -204,6 +205,7 @@ class PieceCollector::Welder {
     result_.materials = std::move(raw_.materials);
     result_.textures = std::move(raw_.textures);
     result_.texture_origin = raw_.texture_origin;
+    result_.up = raw_.up;
   }
 
   WedgeMesh run(MeshReport& report) {

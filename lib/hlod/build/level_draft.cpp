@@ -31,6 +31,7 @@ WedgeMesh to_wedge_mesh(const TriangleMesh& mesh, unsigned threads) {
   result.materials = mesh.materials;
   result.textures = mesh.textures;
   result.texture_origin = mesh.texture_origin;
+  result.up = mesh.up;
   return result;
 }
 

@@ -66,7 +66,8 @@ HlodView view_of(const HlodData& data) {
           data.materials,
           data.textures,
           data.texture_origin,
-          data.lattice_step};
+          data.lattice_step,
+          data.up};
 }
 
 Hlod make_hlod(HlodData data) {
@@ -97,7 +98,8 @@ HlodData copy_data(const Hlod& hlod) {
           to_vector(view.materials),
           to_vector(view.textures),
           view.texture_origin,
-          view.lattice_step};
+          view.lattice_step,
+          view.up};
 }
 
 Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner, std::shared_ptr<NodeGuard> guard) {

@@ -37,6 +37,7 @@ struct HlodData {
   std::vector<Texture> textures;
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
   float lattice_step = 0.0F;
+  UpAxis up = UpAxis::z;
 };
 
 [[nodiscard]] HlodView view_of(const HlodData& data);

@@ -90,6 +90,7 @@ struct HierarchyView {
   std::span<const Texture> textures;                // indexed by materials
   std::span<const std::uint16_t> attribute_errors;  // one per split, see Hierarchy::attribute_error()
   TextureOrigin texture_origin = TextureOrigin::bottom_left;  // origin of texture_coordinates
+  UpAxis up = UpAxis::z;                                      // of the input
 };
 
 class SplitGuard;

@@ -154,6 +154,7 @@ struct HlodView {
   std::span<const Texture> textures;       // that materials index
   TextureOrigin texture_origin = TextureOrigin::bottom_left;  // of texture coordinates
   float lattice_step = 0.0F;  // all coordinates are multiples of it, HlodBuildOptions::quantise_bits; 0: as the input's
+  UpAxis up = UpAxis::z;      // of the input
 };
 
 inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes, and of its splits
