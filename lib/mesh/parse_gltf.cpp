@@ -135,6 +135,7 @@ class GltfReader {
     const std::vector<double>& weights = node.weights.empty() ? mesh.weights : node.weights;
     if (node.skin >= 0) {
       soup_.left_out.add("skins (as the joints are placed)");
+      soup_.left_out.add("instances of skins", node.extensions.contains("EXT_mesh_gpu_instancing") ? 1 : 0);
       const std::vector<glm::dmat4>& joints = skins_.matrices(node.skin);
       for (const tinygltf::Primitive& primitive : mesh.primitives) add(primitive, to_world, &joints, weights);
       return;

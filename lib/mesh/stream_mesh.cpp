@@ -45,6 +45,7 @@ TriangleMesh PieceCutter::cut(std::size_t begin, std::size_t end) {
   gather(mesh_.colors, piece.colors);
   gather(mesh_.texture_coordinates, piece.texture_coordinates);
   piece.texture_origin = mesh_.texture_origin;
+  piece.up = mesh_.up;
   for (const WedgeId wedge : wedges_) local_[wedge] = no_id;
   return piece;
 }

@@ -25,11 +25,12 @@ struct MeshArrays {
   std::span<const Triangle> triangles;             // indices of wedges
   std::span<const MaterialId> triangle_materials;  // empty or one per triangle
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
+  UpAxis up = UpAxis::z;
 };
 
 [[nodiscard]] inline MeshArrays arrays_of(const TriangleMesh& mesh) {
   return {mesh.positions,          mesh.normals,       mesh.colors, mesh.texture_coordinates, mesh.wedge_triangles(),
-          mesh.triangle_materials, mesh.texture_origin};
+          mesh.triangle_materials, mesh.texture_origin, mesh.up};
 }
 
 class PieceCutter {

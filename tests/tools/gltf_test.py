@@ -108,7 +108,7 @@ class Places(GltfCase):
         self.assertEqual((root()["transform"], self.told["up"]), (upright, "y"))
         self.tile("--up", "z")
         self.assertNotIn("transform", root())
-        for objects, up in (([{}], "y"), ([{}, {"position": [3, 0, 0]}], "y"), ([{"rotation": {"axis": [1, 0, 0], "angle": 90}}], "z"), ([{}, {"mesh": "b.obj"}], "z")):
+        for objects, up in (([{}], "y"), ([{}, {"position": [3, 0, 0]}], "y"), ([{"rotation": {"axis": [1, 0, 0], "degrees": 90}}], "z"), ([{}, {"mesh": "b.obj"}], "z")):
             (self.folder / "b.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
             self.write_scene(json.dumps({"objects": [dict({"mesh": "a.glb"}, **it) for it in objects], "cameras": {"default": {"eye": [0, 0, 9], "target": [0, 0, 0]}}}))
             for options in ([], ["--memory", "64M"]):
@@ -226,7 +226,7 @@ class Looks(GltfCase):
 
     def test_transforms(self):
         """The base colour's transform is applied to coordinates, and maps are placed relative to it: all show what they showed."""
-        base = {"offset": [0.25, 0.5], "rotation": 0.25, "scale": [2, 2]}
+        base = {"offset": [0.25, 0.5], "scale": [2, 4]}
         other = {"offset": [0.5, 0], "rotation": 1, "scale": [4, 3]}
         textures = [{"index": self.model.texture(), "extensions": {"KHR_texture_transform": transform}} for transform in (base, other)]
         self.model.material(pbrMetallicRoughness={"baseColorTexture": textures[0]}, normalTexture=textures[1])
@@ -244,6 +244,9 @@ class Looks(GltfCase):
             for found, expected in ((uv, placed(before, base)), (placed(uv, normal), placed(before, other))):
                 for a, b in zip(found, expected):
                     self.assertAlmostEqual(a, b, 5)
+        base["rotation"] = 0.25  # what undoes it would shear the other
+        self.assertNotIn("normalTexture", self.round_trip().json["materials"][0])
+        self.assertEqual(self.counted, {"nodes": 1, "normalTexture (KHR_texture_transform)": 1})
 
     def test_samplers(self):
         self.model.json["samplers"] = [{"magFilter": 9728, "minFilter": 9984, "wrapS": 33071, "wrapT": 33648}]
@@ -436,7 +439,7 @@ class Text(GltfCase):
             self.model.write_glb(self.folder / "a.glb", text.replace('"DEEP"', deep(levels)))
             (self.folder / "a.gltf").write_text('{"asset": {"version": "2.0"}, "extras": ' + deep(levels) + "}")
             (self.folder / "scene.json").write_text('{"objects": ' + deep(levels) + "}")
-            for arguments in (("info", "a.glb"), ("build", "a.glb", "-o", "a.olod"), ("build", "a.gltf", "-o", "a.olod"), ("info", "scene.json"), ("render", "scene.json", "--png", "a.png")):
+            for arguments in (("info", "a.glb"), ("build", "a.glb", "-o", "a.olod"), ("build", "a.gltf", "-o", "a.olod"), ("render", "scene.json", "--png", "a.png"), ("hlod", "build", "scene.json", "-o", "a.ohlod")):
                 self.assertIn("more than 200 nested arrays and objects", self.failure_of(*arguments))
         self.model.write_glb(self.folder / "a.glb", text.replace('"DEEP"', deep(150)))
         self.assertEqual(self.left_out(), {"extras": 1, "nodes": 1})

@@ -85,6 +85,7 @@ void give_attributes(TriangleMesh& repaired, const std::vector<VertexId>& source
   repaired.materials = soup.materials;
   repaired.textures = soup.textures;
   repaired.texture_origin = soup.texture_origin;
+  repaired.up = soup.up;
   if (soup.corners.empty() && soup.triangle_materials.empty())
     gather_all(soup, sources, repaired);
   else

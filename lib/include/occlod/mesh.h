@@ -52,7 +52,7 @@ struct Texture {
 enum class AlphaMode : std::uint8_t {
   by_color,  // blends if the alpha of Material::base_color is below 1; else alpha is ignored
   mask,      // shows what has at least Surface::alpha_cutoff, and nothing of the rest
-  blend
+  blend      // shows what is behind, as far as alpha is below 1
 };
 
 // An image beside that of the base colour, which is looked up with the mesh's texture coordinates.
@@ -61,8 +61,8 @@ struct TextureMap {
   float strength = 1.0F;           // of normals, where glTF calls it scale, and of occlusion
   // The place in the image, v growing downwards: rotation * (scale * (u, v)) + offset, as in KHR_texture_transform.
   glm::vec2 offset = {0.0F, 0.0F};
-  float rotation = 0.0F;  // radians, counter-clockwise
-  glm::vec2 scale = {1.0F, 1.0F};
+  float rotation = 0.0F;           // radians, counter-clockwise
+  glm::vec2 scale = {1.0F, 1.0F};  // see offset
   // True when all fields are equal.
   [[nodiscard]] bool operator==(const TextureMap&) const = default;
 };
@@ -70,17 +70,17 @@ struct TextureMap {
 // The look of a surface beyond its base colour, as glTF 2.0 describes it. It is stored and passed on; pictures do not
 // show it.
 struct Surface {
-  AlphaMode alpha_mode = AlphaMode::by_color;
-  float alpha_cutoff = 0.5F;  // with AlphaMode::mask
-  bool double_sided = false;  // whether its back shows
-  bool unlit = false;         // shows the base colour whatever the light is: KHR_materials_unlit
-  float metallic = 0.0F;      // in [0, 1]; multiplies the blue of its map
-  float roughness = 1.0F;     // in [0, 1]; multiplies the green of its map
-  glm::vec3 emissive{0.0F};   // linear light, in [0, 1]; multiplies its map
-  TextureMap metallic_map;    // of `metallic` and `roughness`
-  TextureMap normal_map;      // in tangent space
-  TextureMap occlusion_map;   // of ambient light
-  TextureMap emissive_map;
+  AlphaMode alpha_mode = AlphaMode::by_color;  // of the base colour and its texture
+  float alpha_cutoff = 0.5F;                   // with AlphaMode::mask
+  bool double_sided = false;                   // whether its back shows
+  bool unlit = false;                          // shows the base colour whatever the light is: KHR_materials_unlit
+  float metallic = 0.0F;                       // in [0, 1]; multiplies the blue of its map
+  float roughness = 1.0F;                      // in [0, 1]; multiplies the green of its map
+  glm::vec3 emissive{0.0F};                    // linear light, in [0, 1]; multiplies its map
+  TextureMap metallic_map;                     // of `metallic` and `roughness`
+  TextureMap normal_map;                       // in tangent space
+  TextureMap occlusion_map;                    // of ambient light
+  TextureMap emissive_map;                     // of `emissive`
   // True when all fields are equal.
   [[nodiscard]] bool operator==(const Surface&) const = default;
 };

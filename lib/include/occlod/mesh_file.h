@@ -34,6 +34,7 @@ namespace occlod {
 // for each image that is not there, whose name is written as it is, and for each that glTF lacks, such as TGA, which is
 // left out of a GLB file.
 std::vector<std::string> write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
+// Writes it with the images of a folder.
 std::vector<std::string> write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh,
                                     const std::filesystem::path& image_folder);
 
