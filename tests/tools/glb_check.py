@@ -55,8 +55,8 @@ class Glb:
         gltf.object(["asset", "nodes", "meshes", "scenes", "buffers", "bufferViews", "accessors", "materials"])
         gltf["asset"].require(gltf["asset"]["version"].value == "2.0" and gltf["asset"]["generator"].text().startswith("occlod"), "is not ours")
         used, needed = (sorted(item.text() for item in gltf[key].list()) if key in gltf else [] for key in ("extensionsUsed", "extensionsRequired"))
-        gltf.require(set(used) - set(needed) <= OPTIONAL, "an extension is used and not required")
-        gltf.require(set(needed) <= set(used) <= {MESHOPT, "KHR_mesh_quantization"} | OPTIONAL | set(IMAGES.values()), "an extension is unknown")
+        gltf.require([name for name in used if name not in OPTIONAL] == needed, "an extension is used and not required")
+        gltf.require(len(used) == len(set(used)) and set(used) <= {MESHOPT, "KHR_mesh_quantization"} | OPTIONAL | set(IMAGES.values()), "an extension is unknown")
         self.is_compressed, self.is_quantised = MESHOPT in used, "KHR_mesh_quantization" in used
         self.buffers, self.views, self.accessors, self.materials = (gltf[key].list() for key in ("buffers", "bufferViews", "accessors", "materials"))
         nodes, meshes = gltf["nodes"].list(), gltf["meshes"].list()
