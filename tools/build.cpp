@@ -12,6 +12,7 @@
 #include "global_options.h"
 #include "interrupt.h"
 #include "json_output.h"
+#include "mesh/image_files.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/mesh.h"
 #include "occlod/mesh_file.h"
@@ -85,8 +86,9 @@ void run(const Options& options) {
   const double read_ms = stopwatch.restart();
   const Hierarchy hierarchy = build(options, input.mesh, progress);
   const double build_ms = stopwatch.restart();
-  write_interruptibly(options.output, hierarchy.bytes(), progress,
-                      [&] { write_olod(options.output, hierarchy, input.report, options.compression); });
+  write_interruptibly(options.output, hierarchy.bytes(), progress, [&] {
+    write_olod(options.output, hierarchy, input.report, options.compression, folder_of(options.input));
+  });
   const double write_ms = stopwatch.milliseconds();
   progress.clear();
 

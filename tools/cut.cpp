@@ -6,17 +6,20 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command_files.h"
 #include "commands.h"
 #include "global_options.h"
 #include "interrupt.h"
 #include "json_output.h"
+#include "mesh/image_files.h"
 #include "occlod/base.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/mesh_file.h"
 #include "option_values.h"
 #include "progress.h"
+#include "standard_streams.h"
 
 namespace occlod::tool {
 namespace {
@@ -55,8 +58,11 @@ void run(const Options& options) {
   const Hierarchy& hierarchy = file.hierarchy;
   const FixedCut cut = chosen_cut(options, hierarchy);
   const TriangleMesh mesh = cut_mesh(hierarchy, cut);
-  write_interruptibly(options.output, 0, progress, [&] { write_mesh(options.output, mesh); });
+  std::vector<std::string> notes;
+  write_interruptibly(options.output, 0, progress,
+                      [&] { notes = write_mesh(options.output, mesh, folder_of(options.file)); });
   progress.clear();
+  for (const std::string& note : notes) print_note(note);
   note_lost_origin(options.output, mesh.origin);
   Json result = {{"input", options.file},
                  {"file", options.output},

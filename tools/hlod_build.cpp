@@ -12,6 +12,7 @@
 #include "hlod.h"
 #include "hlod/build/build_journal.h"
 #include "interrupt.h"
+#include "mesh/image_files.h"
 #include "occlod/base.h"
 #include "occlod/build_hlod.h"
 #include "occlod/node_store.h"
@@ -115,8 +116,9 @@ void run(const Options& options) {
   if (options.memory) limit.emplace(*options.memory, scratch_folder(options));
   const Built built = limit ? build_streamed(options, progress) : build_in_memory(options, progress);
   const double build_ms = stopwatch.restart();
-  write_interruptibly(options.output, built.hlod.bytes(), progress,
-                      [&] { write_ohlod(options.output, built.hlod, built.report, options.compression); });
+  write_interruptibly(options.output, built.hlod.bytes(), progress, [&] {
+    write_ohlod(options.output, built.hlod, built.report, options.compression, folder_of(options.inputs[0]));
+  });
   if (options.resume) remove_journal(journal_of(options));
   const double write_ms = stopwatch.milliseconds();
   progress.clear();

@@ -14,6 +14,7 @@
 #include "hlod.h"
 #include "hlod/tiles/tile_tree.h"
 #include "interrupt.h"
+#include "mesh/image_files.h"
 #include "occlod/base.h"
 #include "occlod/node_store.h"
 #include "occlod/tiles.h"
@@ -71,7 +72,7 @@ tiles::TilesetCounts write(const Options& options, const hlod::Hlod& hlod) {
   Progress progress(options.progress);
   tiles::TilesetOptions tileset = options.tileset;
   tileset.image_folder = options.images;
-  if (options.images.empty()) tileset.image_folder = std::filesystem::path(options.file).parent_path();
+  if (options.images.empty()) tileset.image_folder = folder_of(options.file);
   if (!options.origin.empty()) tileset.origin = parse_origin(options.origin);
   const std::string what = "writing " + options.folder;
   tileset.progress = [&](double done) { progress.show(what, done, hlod.data().input_triangle_count); };
@@ -91,6 +92,7 @@ void run(const Options& options) {
   const auto triangles = static_cast<double>(file.hlod.data().input_triangle_count);
   const Json result = {{"file", options.file},
                        {"folder", options.folder},
+                       {"up", options.tileset.up.value_or(file.hlod.data().up) == UpAxis::y ? "y" : "z"},
                        {"tiles", counts.tiles},
                        {"tileset_files", counts.tileset_files},
                        {"triangles", counts.triangles},
@@ -102,7 +104,8 @@ void run(const Options& options) {
                        {"write_ms", milliseconds},
                        {"peak_bytes", peak_bytes()}};
   for (const std::string& image : counts.images_left_out)
-    print_note(image + ": no PNG or JPEG image; left out (--images names the folder that files are relative to)");
+    print_note(image + ": no image that glTF has, or not there; left out (--images names the folder that files are " +
+               "relative to)");
   print_result(result, file.report.left_out, options.json);
 }
 
@@ -132,8 +135,8 @@ void add_hlod_export(CLI::App& hlod) {
       ->type_name("N");
   command.add_flag("--skirts", tileset.skirts,
                    "Hang strips from the borders of tiles, which cover gaps between levels");
-  add_choice(command, "--up", tileset.up, {{"z", tiles::UpAxis::z}, {"y", tiles::UpAxis::y}},
-             "The axis of the input that points up");
+  add_choice(command, "--up", tileset.up, {{"z", std::optional(UpAxis::z)}, {"y", std::optional(UpAxis::y)}},
+             "The axis of the input that points up [y when all of the input was glTF, else z]");
   command
       .add_option("--origin", options->origin, "Where the input's origin is on Earth (WGS84): degrees, degrees, metres")
       ->transform(not_empty())
@@ -142,7 +145,7 @@ void add_hlod_export(CLI::App& hlod) {
              "The most tiles in a .json file; more go on in others")
       ->capture_default_str();
   add_file(command, "--images", options->images,
-           "What names of image files are relative to: the folder of the scene or mesh [that of FILE]")
+           "Where image files are: the folder of the scene or mesh [that of FILE, from which names lead to them]")
       ->type_name("FOLDER");
   command.add_flag("--replace", tileset.replace, "Replace the tileset that FOLDER holds");
   command.callback([options, &command] {

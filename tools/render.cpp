@@ -30,6 +30,7 @@
 #include "render_options.h"
 #include "render_path.h"
 #include "render_report.h"
+#include "standard_streams.h"
 #include "world_mesh.h"
 
 namespace occlod::tool {
@@ -44,7 +45,7 @@ void write_outputs(const RenderInput& input, const RenderOptions& options, const
     write_png(options.birdseye, birdseye(objects, measurement.items(), view, View(birdseye_camera(objects, view))));
   if (options.mesh.empty()) return;
   const TriangleMesh mesh = world_mesh(input.objects, measurement.refinement(), options.mesh);
-  write_mesh(options.mesh, mesh);
+  for (const std::string& note : write_mesh(options.mesh, mesh)) print_note(note);
   note_lost_origin(options.mesh, mesh.origin);
 }
 

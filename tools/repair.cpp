@@ -8,12 +8,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command_files.h"
 #include "commands.h"
 #include "global_options.h"
 #include "interrupt.h"
 #include "json_output.h"
+#include "mesh/image_files.h"
 #include "occlod/base.h"
 #include "occlod/mesh.h"
 #include "occlod/mesh_file.h"
@@ -120,9 +122,12 @@ void run(const Options& options) {
   const Stopwatch stopwatch;
   const RepairedMesh repaired = repair_input(options, input.mesh, progress);
   const double repair_ms = stopwatch.milliseconds();
-  write_interruptibly(options.output, 0, progress, [&] { write_mesh(options.output, repaired.mesh); });
+  std::vector<std::string> notes;
+  write_interruptibly(options.output, 0, progress,
+                      [&] { notes = write_mesh(options.output, repaired.mesh, folder_of(options.input)); });
   progress.clear();
   note_lost_origin(options.output, repaired.mesh.origin);
+  for (const std::string& note : notes) print_note(note);
   Json report = report_of(options, input, repaired);
   report["repair_ms"] = repair_ms;
   options.json ? print_json(report) : print_report(report, input.report.left_out, repaired.changes);

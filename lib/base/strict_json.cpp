@@ -62,8 +62,31 @@ class RepeatedKeys {
 
 }  // namespace
 
+bool is_nested_too_deeply(std::string_view text) noexcept {
+  int depth = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') {  // to the end of the string, at a quotation mark behind an even number of backslashes
+      for (i = text.find('"', i + 1); i != std::string_view::npos; i = text.find('"', i + 1)) {
+        std::size_t begin = i;
+        while (text[begin - 1] == '\\') --begin;
+        if ((i - begin) % 2 == 0) break;
+      }
+      if (i == std::string_view::npos) return false;
+    } else if (c == '[' || c == '{') {
+      if (++depth > max_json_depth) return true;
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return false;
+}
+
 json parse_json_file(const std::filesystem::path& path) {
   const std::string text = read_text(path);
+  if (is_nested_too_deeply(text))
+    throw Error({path.string(), "", fmt::format("has more than {} nested arrays and objects", max_json_depth),
+                 "write it with fewer"});
   RepeatedKeys repeated_keys;
   json document;
   try {

@@ -14,7 +14,14 @@
 
 namespace occlod {
 
-// Parses a file. Throws Error for a file that cannot be read, for syntax errors (with the line) and for repeated keys.
+// JSON of more nested arrays and objects than this is refused before it is parsed: parsers call themselves.
+inline constexpr int max_json_depth = 200;
+
+// Returns whether arrays and objects of a JSON text nest more than max_json_depth deep. O(size).
+[[nodiscard]] bool is_nested_too_deeply(std::string_view text) noexcept;
+
+// Parses a file. Throws Error for a file that cannot be read, for syntax errors (with the line), for repeated keys
+// and for more than max_json_depth nested arrays and objects.
 [[nodiscard]] nlohmann::json parse_json_file(const std::filesystem::path& path);
 
 // A value and its place in a document. Refers to the document and the file name, which must outlive it.

@@ -245,6 +245,7 @@ class Packing {
     std::vector<Material> materials;
     std::vector<Texture> textures;
     TextureOrigin texture_origin = TextureOrigin::bottom_left;  // each mesh stores its own
+    UpAxis up = UpAxis::z;                                      // which nobody asks for
   } surface_;                                                   // of all meshes
 };
 
@@ -422,7 +423,7 @@ void Packing::write(const std::filesystem::path& path) const {
     writer.add(base_wedges_name, std::span<const std::uint32_t>(base_wedges_), Check::whole, codec);
     writer.add(base_corners_name, std::span<const Triangle>(base_corners_), Check::whole, codec);
     writer.add(looks_name, std::span<const LookRow>(looks_));
-    materials.add(surface_, writer);
+    materials.add(surface_, writer, {});
   }
   writer.add(frames_name, std::span<const FrameRow>(frames_));
   writer.add(pieces_name, std::span<const PieceRow>(pieces_));

@@ -317,13 +317,11 @@ void PackedGeometry::take_materials(SectionReader& reader) {
   for (const LookRow& look : looks) {
     sections::Materials& own = materials_.emplace_back();
     own.origin = static_cast<TextureOrigin>(look.texture_origin);
-    const auto has_texture = [&](const Material& m) {
-      return m.texture == no_texture || m.texture < own.textures.size();
-    };
+    const auto has_textures = [&](const Material& m) { return m.texture_beyond(own.textures.size()) == no_texture; };
     if (look.texture_origin > static_cast<std::uint32_t>(TextureOrigin::top_left) ||
         !take(material, all.materials.end(), look.materials, own.materials) ||
         !take(texture, all.textures.end(), look.textures, own.textures) ||
-        !std::ranges::all_of(own.materials, has_texture))
+        !std::ranges::all_of(own.materials, has_textures))
       reader.refuse("section LOOK", "does not say what materials there are");
   }
 }

@@ -10,6 +10,7 @@
 #include <new>
 
 #include "base/option_checker.h"
+#include "mesh/section_file.h"
 #include "occlod/base.h"
 #include "splits/olod.h"
 
@@ -51,6 +52,7 @@ void add_wedges(const HierarchyView& view, Hash& hash) {
     add_text(material.name);
     hash.add_one(material.base_color);
     hash.add_one(material.texture);
+    if (material.surface != Surface{}) add_text(sections::text_of(material.surface));
   }
   for (const Texture& texture : view.textures) {
     add_text(texture.file);
@@ -58,6 +60,10 @@ void add_wedges(const HierarchyView& view, Hash& hash) {
     hash.add(std::span<const std::uint8_t>(texture.bytes));
     hash.add_one(static_cast<std::uint32_t>(texture.wrap_s));
     hash.add_one(static_cast<std::uint32_t>(texture.wrap_t));
+    if (texture.min_filter != 0 || texture.mag_filter != 0) {
+      hash.add_one(texture.min_filter);
+      hash.add_one(texture.mag_filter);
+    }
   }
   hash.add_one(static_cast<std::uint32_t>(view.texture_origin));
 }

@@ -152,8 +152,8 @@ class Cleaner {
   // Checks materials and drops triangle_materials when all triangles have the first material.
   void check_materials() {
     for (std::size_t m = 0; m < mesh_.materials.size(); ++m) {
-      const TextureId texture = mesh_.materials[m].texture;
-      if (texture == no_texture || texture < mesh_.textures.size()) continue;
+      const TextureId texture = mesh_.materials[m].texture_beyond(mesh_.textures.size());
+      if (texture == no_texture) continue;
       fail(fmt::format("material {}", m),
            fmt::format("has texture {}, but there are {}, numbered from 0", texture, mesh_.textures.size()),
            "export the mesh again");

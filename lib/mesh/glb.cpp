@@ -2,14 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 
 #include "base/file_input.h"
+#include "mesh/image_files.h"
 #include "mesh/mesh_writers.h"
 
 namespace occlod {
@@ -90,22 +95,87 @@ std::size_t GlbDocument::add_accessor(std::uint64_t bytes, int target, int compo
   return json_["accessors"].size() - 1;
 }
 
+namespace {
+
+constexpr const char* transform_name = "KHR_texture_transform";
+
+// Returns a reference to a texture. `strength` is the key of TextureMap::strength, if the reference has one.
+GlbDocument::Json reference(const TextureMap& map, const char* strength = nullptr) {
+  GlbDocument::Json info = {{"index", map.texture}};
+  if (strength != nullptr && map.strength != 1.0F) info[strength] = map.strength;
+  const TextureMap plain{.texture = map.texture, .strength = map.strength};
+  if (map == plain) return info;
+  info["extensions"][transform_name] = {
+      {"offset", {map.offset.x, map.offset.y}}, {"rotation", map.rotation}, {"scale", {map.scale.x, map.scale.y}}};
+  return info;
+}
+
+}  // namespace
+
 void GlbDocument::add_material(const Material& material) {
   const glm::vec4& c = material.base_color;
+  const Surface& surface = material.surface;
   Json look = {{"baseColorFactor", {c.r, c.g, c.b, c.a}}, {"metallicFactor", 0}};
+  if (surface.metallic != 0.0F) look["metallicFactor"] = surface.metallic;
+  if (surface.roughness != 1.0F) look["roughnessFactor"] = surface.roughness;
   if (material.texture != no_texture) look["baseColorTexture"] = {{"index", material.texture}};
   Json described;
   if (!material.name.empty()) described["name"] = material.name;
+  const auto add_map = [&](Json& to, const char* key, const TextureMap& map, const char* strength) {
+    if (map.texture == no_texture) return;
+    to[key] = reference(map, strength);
+    if (to[key].contains("extensions")) use_extension(transform_name, false);
+  };
+  add_map(look, "metallicRoughnessTexture", surface.metallic_map, nullptr);
   described["pbrMetallicRoughness"] = std::move(look);
-  if (c.a < 1.0F) described["alphaMode"] = "BLEND";
+  add_map(described, "normalTexture", surface.normal_map, "scale");
+  add_map(described, "occlusionTexture", surface.occlusion_map, "strength");
+  add_map(described, "emissiveTexture", surface.emissive_map, nullptr);
+  const glm::vec3& e = surface.emissive;
+  if (e != glm::vec3(0.0F)) described["emissiveFactor"] = {e.r, e.g, e.b};
+  if (surface.alpha_mode == AlphaMode::mask) {
+    described["alphaMode"] = "MASK";
+    described["alphaCutoff"] = surface.alpha_cutoff;
+  } else if (surface.alpha_mode == AlphaMode::blend || c.a < 1.0F) {
+    described["alphaMode"] = "BLEND";
+  }
+  if (surface.double_sided) described["doubleSided"] = true;
+  if (surface.unlit) {
+    described["extensions"]["KHR_materials_unlit"] = Json::object();
+    use_extension("KHR_materials_unlit", false);
+  }
   json_["materials"].push_back(std::move(described));
 }
 
-void GlbDocument::add_texture(const Texture& texture, Json image) {
-  const std::size_t index = json_["images"].size();
+std::size_t GlbDocument::add_image(Json image) {
   json_["images"].push_back(std::move(image));
-  json_["samplers"].push_back({{"wrapS", wrap_mode(texture.wrap_s)}, {"wrapT", wrap_mode(texture.wrap_t)}});
-  json_["textures"].push_back({{"source", index}, {"sampler", index}});
+  return json_["images"].size() - 1;
+}
+
+void GlbDocument::add_texture(const Texture& texture, std::size_t image, const std::string& mime_type) {
+  const std::size_t index = json_["textures"].size();
+  Json sampler = {{"wrapS", wrap_mode(texture.wrap_s)}, {"wrapT", wrap_mode(texture.wrap_t)}};
+  if (texture.mag_filter != 0) sampler["magFilter"] = texture.mag_filter;
+  if (texture.min_filter != 0) sampler["minFilter"] = texture.min_filter;
+  json_["samplers"].push_back(std::move(sampler));
+  const std::string extension = gltf_image_extension(mime_type).value_or("");
+  Json described;
+  if (extension.empty()) {
+    described = {{"source", image}, {"sampler", index}};
+  } else {
+    described = {{"sampler", index}, {"extensions", {{extension, {{"source", image}}}}}};
+    use_extension(extension, true);
+  }
+  json_["textures"].push_back(std::move(described));
+}
+
+void GlbDocument::use_extension(const std::string& name, bool is_required) {
+  const auto add = [&](const char* list) {
+    Json& names = json_[list];
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  add("extensionsUsed");
+  if (is_required) add("extensionsRequired");
 }
 
 std::string GlbDocument::head(const FileErrors& errors) {
@@ -152,20 +222,81 @@ using namespace gltf;
 
 class GlbWriter {
  public:
-  GlbWriter(ChunkedWriter& out, const TriangleMesh& mesh) : out_(out), mesh_(mesh), primitives_(glb_primitives(mesh)) {}
+  GlbWriter(ChunkedWriter& out, const TriangleMesh& mesh, const MeshOutput& output)
+      : out_(out), mesh_(mesh), output_(output), primitives_(glb_primitives(mesh)) {}
 
   void run(const FileErrors& errors) {
     const glm::dvec3& o = mesh_.origin;
     if (o != glm::dvec3(0.0)) document_.json()["nodes"][0]["translation"] = {o.x, o.y, o.z};
     for (const GlbPrimitive& primitive : primitives_) describe(primitive);
-    for (const Material& material : mesh_.materials) document_.add_material(material);
-    for (const Texture& texture : mesh_.textures) document_.add_texture(texture, image_of(texture));
+    choose_textures();
+    for (Material material : mesh_.materials) {
+      change_textures(material, [&](TextureId id) { return new_ids_[id]; });
+      document_.add_material(material);
+    }
+    for (const Image& image : images_) describe(image);
+    for (const auto& [texture, image] : textures_)
+      document_.add_texture(mesh_.textures[texture], image, images_[image].type);
     out_.text("{}", document_.head(errors));
     for (const GlbPrimitive& primitive : primitives_) write(primitive);
-    for (const Texture& texture : mesh_.textures) write_image(texture);
+    for (const Image& image : images_) write(image);
   }
 
  private:
+  // An image of the document.
+  struct Image {
+    TextureId texture;  // the first that shows it
+    std::string type;   // MIME
+    std::vector<std::uint8_t> file_bytes;
+
+    [[nodiscard]] std::span<const std::uint8_t> bytes_of(const Texture& from) const {
+      return from.bytes.empty() ? std::span(file_bytes) : std::span(from.bytes);
+    }
+  };
+
+  // Fills images_, textures_ and new_ids_. What glTF has no image for is left out, with a note.
+  void choose_textures() {
+    const std::vector<Texture>& all = mesh_.textures;
+    new_ids_.resize(all.size(), no_texture);
+    if (mesh_.texture_coordinates.empty()) {
+      if (!all.empty()) output_.notes.emplace_back("without texture coordinates there are no textures in a GLB file");
+      return;
+    }
+    for (TextureId t = 0; t < all.size(); ++t) {
+      const std::optional<std::size_t> image = image_of(t);
+      if (!image) continue;
+      new_ids_[t] = static_cast<TextureId>(textures_.size());
+      textures_.emplace_back(t, *image);
+    }
+  }
+
+  // Finds or adds the image of a texture. Returns nothing when it is left out.
+  std::optional<std::size_t> image_of(TextureId t) {
+    const Texture& texture = mesh_.textures[t];
+    for (std::size_t i = 0; i < images_.size(); ++i) {
+      const Texture& other = mesh_.textures[images_[i].texture];
+      if (other.file == texture.file && other.bytes == texture.bytes) return i;
+    }
+    Image image{t, {}, {}};
+    if (texture.bytes.empty()) {
+      image.file_bytes = read_image(texture, output_.image_folder).value_or(std::vector<std::uint8_t>());
+      image.type = image_type(image.file_bytes, texture.file);
+      if (image.file_bytes.empty()) note_missing(texture.file, output_);
+    } else {
+      image.type = image_type(texture);
+    }
+    // A file that is not there may be of any format.
+    const bool may_be_any = image.bytes_of(texture).empty() && image.type == "application/octet-stream";
+    if (!gltf_image_extension(image.type) && !may_be_any) {
+      output_.notes.push_back(
+          fmt::format("the image {} is left out: glTF has PNG, JPEG, WebP, KTX2, DDS and AVIF",
+                      texture.file.empty() ? fmt::format("of texture {}", t) : in_quotes(texture.file)));
+      return std::nullopt;
+    }
+    images_.push_back(std::move(image));
+    return images_.size() - 1;
+  }
+
   std::size_t add_accessor(std::uint64_t bytes, int target, int component_type, std::size_t count, const char* type) {
     return document_.add_accessor(bytes, target, component_type, count, type);
   }
@@ -210,9 +341,13 @@ class GlbWriter {
     document_.json()["accessors"].back()["max"] = std::move(most);
   }
 
-  Json image_of(const Texture& texture) {
-    if (texture.bytes.empty()) return {{"uri", uri_of(texture.file)}};
-    return {{"bufferView", document_.add_view(texture.bytes.size(), 0)}, {"mimeType", mime_type_of(texture)}};
+  void describe(const Image& image) {
+    const Texture& texture = mesh_.textures[image.texture];
+    const std::size_t bytes = image.bytes_of(texture).size();
+    if (bytes == 0)
+      document_.add_image({{"uri", uri_of(texture.file)}});
+    else
+      document_.add_image({{"bufferView", document_.add_view(bytes, 0)}, {"mimeType", image.type}});
   }
 
   void write(const GlbPrimitive& primitive) {
@@ -241,22 +376,26 @@ class GlbWriter {
     if (is_short && primitive.triangles.size() % 2 != 0) out_.numbers(std::uint16_t{0});
   }
 
-  void write_image(const Texture& texture) {
-    if (texture.bytes.empty()) return;
-    for (const std::uint8_t byte : texture.bytes) out_.numbers(byte);
-    for (std::size_t i = texture.bytes.size(); i % 4 != 0; ++i) out_.numbers(std::uint8_t{0});
+  void write(const Image& image) {
+    const std::span<const std::uint8_t> bytes = image.bytes_of(mesh_.textures[image.texture]);
+    for (const std::uint8_t byte : bytes) out_.numbers(byte);
+    for (std::size_t i = bytes.size(); i % 4 != 0; ++i) out_.numbers(std::uint8_t{0});
   }
 
   ChunkedWriter& out_;
   const TriangleMesh& mesh_;
+  const MeshOutput& output_;
   const std::vector<GlbPrimitive> primitives_;
+  std::vector<Image> images_;
+  std::vector<std::pair<TextureId, std::size_t>> textures_;  // of the document: which of the mesh, with which image
+  std::vector<TextureId> new_ids_;                           // by texture of the mesh; no_texture: left out
   GlbDocument document_;
 };
 
 }  // namespace
 
-void write_glb(ChunkedWriter& out, const TriangleMesh& mesh, const std::filesystem::path& path) {
-  GlbWriter(out, mesh).run(FileErrors(path));
+void write_glb(ChunkedWriter& out, const TriangleMesh& mesh, const MeshOutput& output) {
+  GlbWriter(out, mesh, output).run(FileErrors(output.path));
 }
 
 }  // namespace occlod

@@ -51,10 +51,14 @@ class GlbDocument {
   std::size_t add_view(std::uint64_t bytes, int target);
   // Reserves bytes in the buffer for an accessor with its own buffer view, and returns the accessor's number.
   std::size_t add_accessor(std::uint64_t bytes, int target, int component_type, std::size_t count, const char* type);
-  // Adds a material that is not metallic, and blended when its base colour is transparent.
+  // Adds a material, whose textures are those of the document.
   void add_material(const Material& material);
-  // `image` is the image object of glTF, with its URI or buffer view.
-  void add_texture(const Texture& texture, Json image);
+  // Adds an image object of glTF, with its URI or buffer view, and returns its number.
+  std::size_t add_image(Json image);
+  // Adds a texture with one of the images, which has a MIME type that glTF or an extension knows.
+  void add_texture(const Texture& texture, std::size_t image, const std::string& mime_type);
+  // Names an extension once among those that the file uses, and those that it requires.
+  void use_extension(const std::string& name, bool is_required);
 
   // Returns everything in the file before the bytes of the buffer. Throws Error when the file would exceed the size of
   // GLB files.

@@ -37,6 +37,15 @@ struct MapPlacement {
   [[nodiscard]] bool operator==(const MapPlacement&) const = default;
 };
 
+// Replaces each texture of a material by what `change` returns for it.
+template <class Change>
+void change_textures(Material& material, const Change& change) {
+  Surface& surface = material.surface;
+  for (TextureId* const id : {&material.texture, &surface.metallic_map.texture, &surface.normal_map.texture,
+                              &surface.occlusion_map.texture, &surface.emissive_map.texture})
+    if (*id != no_texture) *id = change(*id);
+}
+
 // The contents of a newmtl block, as far as Material has fields for them.
 struct MtlMaterial {
   Material material;            // without its texture

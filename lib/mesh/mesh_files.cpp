@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "base/file_input.h"
+#include "base/strict_json.h"
 #include "base/text.h"
 #include "mesh/materials.h"
 #include "mesh/polygon_soup.h"
@@ -65,7 +66,7 @@ bool is_binary(std::string_view bytes) { return bytes.substr(0, 4) == "glTF"; }
 
 // Returns an empty text when nothing has to be replaced or the text is not JSON.
 std::string with_placeholders(std::string_view text, bool has_chunk) {
-  if (text.find(extension) == std::string_view::npos) return {};
+  if (text.find(extension) == std::string_view::npos || is_nested_too_deeply(text)) return {};
   Json json = Json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("buffers") || !json["buffers"].is_array()) return {};
   bool changed = false;
@@ -143,8 +144,9 @@ std::vector<fs::path> libraries_of(InputBytes& input, const fs::path& folder, co
 
 // Returns the files that the elements of an array of a glTF file name, "buffers" or "images".
 std::vector<fs::path> gltf_files(const char* array, std::string_view bytes, const fs::path& folder) {
-  const Json json = Json::parse(gltf_text(bytes), nullptr, false);
   std::vector<fs::path> files;
+  if (is_nested_too_deeply(gltf_text(bytes))) return files;
+  const Json json = Json::parse(gltf_text(bytes), nullptr, false);
   if (!json.is_object() || !json.contains(array) || !json[array].is_array()) return files;
   for (const Json& element : json[array]) {
     if (!element.is_object() || !element.contains("uri") || !element["uri"].is_string()) continue;

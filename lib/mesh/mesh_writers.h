@@ -61,19 +61,27 @@ class ChunkedWriter {
   fmt::memory_buffer chunk_;
 };
 
-// Writes OBJ, and a file PATH with the extension .mtl when the mesh has materials. `path` is that of the mesh.
-void write_obj(ChunkedWriter& out, const TriangleMesh& mesh, const std::filesystem::path& path);
+// Where the writers write, and where they find images. They append a line to `notes` for each that is not there or
+// that the format cannot have.
+struct MeshOutput {
+  const std::filesystem::path& path;          // of the mesh
+  const std::filesystem::path& image_folder;  // that names of images are relative to
+  std::vector<std::string>& notes;
+};
 
-// Writes GLB. Throws Error that names `path` for a mesh of more than 4 GiB, which a GLB file cannot hold.
-void write_glb(ChunkedWriter& out, const TriangleMesh& mesh, const std::filesystem::path& path);
+// Writes OBJ, and a file PATH with the extension .mtl when the mesh has materials.
+void write_obj(ChunkedWriter& out, const TriangleMesh& mesh, const MeshOutput& output);
 
-// Returns the names of the texture files as a mesh at `path` refers to them. Images that the mesh holds are written
-// beside it, as STEM_<number>.png or with the extension of their format.
-[[nodiscard]] std::vector<std::string> texture_files(const TriangleMesh& mesh, const std::filesystem::path& path);
+// Writes GLB with the images in it. Throws Error that names the path for a mesh of more than 4 GiB, which a GLB file
+// cannot hold.
+void write_glb(ChunkedWriter& out, const TriangleMesh& mesh, const MeshOutput& output);
 
-// Returns the MIME type of an image from its first bytes when the mesh does not give it: image/png, image/jpeg or
-// application/octet-stream.
-[[nodiscard]] std::string mime_type_of(const Texture& texture);
+// Returns the names of the texture files as the mesh that is written refers to them. Images that the mesh holds are
+// written beside it, as STEM_<number>.png or with the extension of their format.
+[[nodiscard]] std::vector<std::string> texture_files(const TriangleMesh& mesh, const MeshOutput& output);
+
+// Appends a note when an image file is not there.
+void note_missing(const std::string& file, const MeshOutput& output);
 
 // Converts the second texture coordinate to the other texture origin.
 [[nodiscard]] inline float from_other_origin(float v) noexcept { return 1.0F - v; }

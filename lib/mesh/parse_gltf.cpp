@@ -1,5 +1,6 @@
 // Reads glTF 2.0, text and binary, through tinygltf: the triangles of every mesh that the default scene places, in
-// world space. tinygltf parses; that nodes form a tree is checked here.
+// world space, skins and morph targets as they are without an animation. tinygltf parses; that nodes form a tree is
+// checked here.
 
 #include <fmt/format.h>
 
@@ -8,20 +9,25 @@
 #include <cmath>
 #include <exception>
 #include <filesystem>
-#include <glm/ext/matrix_transform.hpp>
-#include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
-#include <glm/gtc/type_ptr.hpp>
+#include <glm/mat2x2.hpp>
+#include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vec2.hpp>
 #include <new>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "base/strict_json.h"
+#include "mesh/data_uri.h"
 #include "mesh/gltf_accessor.h"
+#include "mesh/gltf_materials.h"
+#include "mesh/gltf_names.h"
+#include "mesh/gltf_pose.h"
 #include "mesh/materials.h"
 #include "mesh/mesh_files.h"
 #include "mesh/polygon_soup.h"
@@ -30,201 +36,64 @@
 namespace occlod {
 namespace {
 
-// How a material looks up its base colour texture.
-struct GltfLookup {
-  int set = 0;                  // TEXCOORD_<set>
-  bool is_transformed = false;  // KHR_texture_transform, given by the fields below:
-  glm::dvec2 row_u{1.0, 0.0};   // u' = dot(row_u, uv) + offset.x
-  glm::dvec2 row_v{0.0, 1.0};   // v' = dot(row_v, uv) + offset.y
-  glm::dvec2 offset{0.0};
-};
-
-// Fills the materials and textures of a soup, as far as the base colour needs them: all materials of the file in their
-// order, followed by one without a name if a primitive has no material. Throws Error for textures and images that do
-// not exist.
-class GltfMaterials {
- public:
-  GltfMaterials(GltfViews& views, PolygonSoup& soup);
-
-  // Returns the id of a material of the file; a negative number stands for a primitive without material. Throws Error
-  // when the material does not exist.
-  [[nodiscard]] MaterialId id_of(int material);
-  // Returns the texture lookup of a material.
-  [[nodiscard]] const GltfLookup& lookup(MaterialId id) const { return lookups_[id]; }
-
- private:
-  void add(const tinygltf::Material& material);
-  [[nodiscard]] TextureId texture(int index);
-  void fill(Texture& texture, int image_index);
-
-  GltfViews& views_;
-  PolygonSoup& soup_;
-  std::vector<GltfLookup> lookups_;  // by material
-  std::map<int, TextureId> textures_;
-};
-
-TextureWrap wrap_of(int mode) {
-  if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return TextureWrap::clamp;
-  return mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? TextureWrap::mirror : TextureWrap::repeat;
-}
-
-double number_or(const tinygltf::Value& value, double otherwise) {
-  return value.IsNumber() ? value.GetNumberAsDouble() : otherwise;
-}
-
-glm::dvec2 pair_or(const tinygltf::Value& value, double otherwise) {
-  glm::dvec2 pair(otherwise);
-  if (!value.IsArray()) return pair;
-  for (int k = 0; k < 2 && static_cast<std::size_t>(k) < value.ArrayLen(); ++k)
-    pair[k] = number_or(value.Get(k), otherwise);
-  return pair;
-}
-
-// The rotation is counter-clockwise seen with v upwards, so that the example of the extension (offset 0 1, a quarter
-// turn, scale 0.5) shows the lower left quarter of the image, as the extension says.
-GltfLookup lookup_of(const tinygltf::TextureInfo& info) {
-  GltfLookup lookup;
-  lookup.set = std::max(info.texCoord, 0);
-  const auto found = info.extensions.find("KHR_texture_transform");
-  if (found == info.extensions.end()) return lookup;
-  const tinygltf::Value& transform = found->second;
-  const glm::dvec2 scale = pair_or(transform.Get("scale"), 1.0);
-  const double angle = number_or(transform.Get("rotation"), 0.0);
-  lookup.is_transformed = true;
-  lookup.offset = pair_or(transform.Get("offset"), 0.0);
-  lookup.row_u = {std::cos(angle) * scale.x, std::sin(angle) * scale.y};
-  lookup.row_v = {-std::sin(angle) * scale.x, std::cos(angle) * scale.y};
-  if (transform.Get("texCoord").IsNumber()) lookup.set = std::max(transform.Get("texCoord").GetNumberAsInt(), 0);
-  return lookup;
-}
-
-// Returns the image of a texture, also when an extension gives its format.
-int source_of(const tinygltf::Texture& texture) {
-  if (texture.source >= 0) return texture.source;
-  for (const char* name : {"EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds"}) {
-    const auto found = texture.extensions.find(name);
-    if (found != texture.extensions.end() && found->second.Get("source").IsNumber())
-      return found->second.Get("source").GetNumberAsInt();
-  }
-  return -1;
-}
-
-GltfMaterials::GltfMaterials(GltfViews& views, PolygonSoup& soup) : views_(views), soup_(soup) {
-  const std::vector<tinygltf::Material>& materials = views.model().materials;
-  if (materials.size() >= max_materials)
-    views.errors().fail("", fmt::format("has {} materials, which is more than {}", materials.size(), max_materials - 1),
-                        "split the mesh into parts");
-  for (const tinygltf::Material& material : materials) add(material);
-}
-
-MaterialId GltfMaterials::id_of(int material) {
-  const std::size_t count = views_.model().materials.size();
-  if (material >= 0 && static_cast<std::size_t>(material) >= count)
-    views_.errors().fail("", fmt::format("refers to material {}, which is not there", material), gltf_remedy);
-  if (material >= 0) return static_cast<MaterialId>(material);
-  if (soup_.materials.size() == count) {
-    soup_.materials.emplace_back();
-    lookups_.emplace_back();
-  }
-  return static_cast<MaterialId>(count);
-}
-
-void GltfMaterials::add(const tinygltf::Material& material) {
-  const tinygltf::PbrMetallicRoughness& look = material.pbrMetallicRoughness;
-  Material& added = soup_.materials.emplace_back();
-  added.name = material.name;
-  for (int k = 0; k < 4 && static_cast<std::size_t>(k) < look.baseColorFactor.size(); ++k) {
-    const double value = look.baseColorFactor[static_cast<std::size_t>(k)];
-    added.base_color[k] = value > 0.0 ? static_cast<float>(std::min(value, 1.0)) : 0.0F;
-  }
-  if (look.baseColorTexture.index >= 0) added.texture = texture(look.baseColorTexture.index);
-  lookups_.push_back(lookup_of(look.baseColorTexture));
-  for (const int other : {look.metallicRoughnessTexture.index, material.normalTexture.index,
-                          material.occlusionTexture.index, material.emissiveTexture.index})
-    soup_.left_out.add("textures beside the base colour", other >= 0);
-}
-
-TextureId GltfMaterials::texture(int index) {
-  const tinygltf::Model& model = views_.model();
-  const FileErrors& errors = views_.errors();
-  if (const auto found = textures_.find(index); found != textures_.end()) return found->second;
-  if (static_cast<std::size_t>(index) >= model.textures.size())
-    errors.fail("", fmt::format("refers to texture {}, which is not there", index), gltf_remedy);
-  const tinygltf::Texture& texture = model.textures[static_cast<std::size_t>(index)];
-  Texture added;
-  const int image = source_of(texture);
-  if (image < 0) return textures_.emplace(index, no_texture).first->second;
-  fill(added, image);
-  if (texture.sampler >= 0) {
-    if (static_cast<std::size_t>(texture.sampler) >= model.samplers.size())
-      errors.fail("", fmt::format("refers to sampler {}, which is not there", texture.sampler), gltf_remedy);
-    const tinygltf::Sampler& sampler = model.samplers[static_cast<std::size_t>(texture.sampler)];
-    added.wrap_s = wrap_of(sampler.wrapS);
-    added.wrap_t = wrap_of(sampler.wrapT);
-  }
-  soup_.textures.push_back(std::move(added));
-  return textures_.emplace(index, static_cast<TextureId>(soup_.textures.size() - 1)).first->second;
-}
-
-void GltfMaterials::fill(Texture& texture, int image_index) {
-  const tinygltf::Model& model = views_.model();
-  if (static_cast<std::size_t>(image_index) >= model.images.size())
-    views_.errors().fail("", fmt::format("refers to image {}, which is not there", image_index), gltf_remedy);
-  const tinygltf::Image& image = model.images[static_cast<std::size_t>(image_index)];
-  if (!image.uri.empty()) {
-    texture.file = file_name_of_uri(image.uri);
-    return;
-  }
-  texture.mime_type = image.mimeType;
-  texture.bytes = image.image;  // from a data URI
-  if (image.bufferView < 0) return;
-  const std::string place = fmt::format("image {}", image_index);
-  const GltfViews::View view = views_.view(image.bufferView, place);
-  if (view.length > view.bytes.size())
-    views_.errors().fail(place, "reaches beyond its buffer: the file was cut or is malformed", gltf_remedy);
-  texture.bytes.assign(view.bytes.begin(), view.bytes.begin() + static_cast<std::ptrdiff_t>(view.length));
-}
-
 constexpr const char* remedy = gltf_remedy;
 constexpr std::size_t max_depth = 256;  // depth of the node tree; a deeper one is treated as a cycle
 
-glm::dmat4 local_transform(const tinygltf::Node& node) {
-  if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
-  glm::dmat4 m(1.0);
-  if (node.translation.size() == 3) m = glm::translate(m, glm::make_vec3(node.translation.data()));
-  if (node.rotation.size() == 4)
-    m *= glm::mat4_cast(glm::dquat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]));
-  if (node.scale.size() == 3) m = glm::scale(m, glm::make_vec3(node.scale.data()));
-  return m;
+// What is carried of extensions; all others are counted.
+constexpr std::array<std::string_view, 9> carried_extensions{
+    "KHR_mesh_quantization",   "KHR_texture_transform",   "KHR_materials_unlit",
+    "EXT_meshopt_compression", "EXT_mesh_gpu_instancing", "EXT_texture_webp",
+    "KHR_texture_basisu",      "MSFT_texture_dds",        "EXT_texture_avif"};
+
+bool is_carried(std::string_view extension) {
+  return std::ranges::find(carried_extensions, extension) != carried_extensions.end();
 }
 
 class GltfReader {
  public:
-  GltfReader(const tinygltf::Model& model, const FileErrors& errors)
-      : model_(model), errors_(errors), views_(model, errors), materials_(views_, soup_) {}
+  // `text` is the JSON of the model.
+  GltfReader(const tinygltf::Model& model, std::string_view text, const FileErrors& errors)
+      : model_(model), text_(text), errors_(errors), views_(model, errors), skins_(views_), materials_(views_, soup_) {}
 
   PolygonSoup run() {
     for (const std::string& extension : model_.extensionsRequired) check_extension(extension);
     for (const int root : roots()) visit(root, glm::dmat4(1.0), 0);
     pad_attributes();
+    count_left_out();
     soup_.texture_origin = TextureOrigin::top_left;
+    soup_.up = UpAxis::y;
     return std::move(soup_);
   }
 
  private:
-  // Refuses required extensions that are not supported. Extensions of images do not matter here: the program that draws
-  // decodes them.
+  // Refuses required extensions that are not supported. Of the older model of specular colours, the diffuse colour is.
   void check_extension(const std::string& name) const {
-    constexpr std::array<std::string_view, 6> known{"KHR_mesh_quantization",   "KHR_texture_transform",
-                                                    "EXT_meshopt_compression", "EXT_texture_webp",
-                                                    "KHR_texture_basisu",      "MSFT_texture_dds"};
-    if (name.starts_with("KHR_materials") || std::ranges::find(known, name) != known.end()) return;
+    if (is_carried(name) || name == "KHR_materials_pbrSpecularGlossiness") return;
     if (name == draco) fail_draco();
-    errors_.fail("", fmt::format("needs the extension {}, which is not supported", name), "export the mesh without it");
+    errors_.fail("", fmt::format("needs the extension {}, which is not supported", in_quotes(name)),
+                 "export the mesh without it");
   }
   [[noreturn]] void fail_draco() const {
     errors_.fail("", "is compressed with Draco, which is not supported",
                  "decompress the file: gltf-transform copy IN OUT, or export it without Draco");
+  }
+
+  // Counts what the file has and a mesh lacks, apart from what nodes place.
+  void count_left_out() {
+    LeftOut& left_out = soup_.left_out;
+    for (const auto& [name, count] : count_extensions(text_))
+      if (!is_carried(name)) left_out.add(name, count);
+    for (const std::string& name : model_.extensionsUsed)
+      if (!is_carried(name) && left_out.count(name) == 0) left_out.add(name);
+    left_out.add("extras", count_key(text_, "extras"));
+    left_out.add("animations", model_.animations.size());
+    left_out.add("cameras", model_.cameras.size());
+    left_out.add("copyright", model_.asset.copyright.empty() ? 0 : 1);
+    left_out.add("other scenes", model_.scenes.empty() ? 0 : model_.scenes.size() - 1);
+    std::vector<bool> is_placed(model_.meshes.size(), false);
+    for (const int mesh : placed_meshes_) is_placed[static_cast<std::size_t>(mesh)] = true;
+    left_out.add("meshes that the scene does not place",
+                 static_cast<std::uint64_t>(std::count(is_placed.begin(), is_placed.end(), false)));
   }
 
   // Returns the root nodes of the default scene, or all nodes without a parent.
@@ -251,63 +120,91 @@ class GltfReader {
       errors_.fail(fmt::format("node {}", index), "is not part of a tree of nodes", remedy);
     const tinygltf::Node& node = model_.nodes[static_cast<std::size_t>(index)];
     const glm::dmat4 to_world = above * local_transform(node);
-    if (node.mesh >= 0) {
-      if (static_cast<std::size_t>(node.mesh) >= model_.meshes.size())
-        errors_.fail(fmt::format("node {}", index), fmt::format("refers to mesh {}, which is not there", node.mesh),
-                     remedy);
-      soup_.left_out.add("nodes");
-      for (const tinygltf::Primitive& primitive : model_.meshes[static_cast<std::size_t>(node.mesh)].primitives)
-        add(primitive, to_world);
-    }
+    if (node.mesh >= 0) place(node, index, to_world);
     for (const int child : node.children) visit(child, to_world, depth + 1);
   }
 
-  void add(const tinygltf::Primitive& primitive, const glm::dmat4& to_world) {
+  // Adds the mesh of a node, as often as it has instances. Joints alone place a mesh with a skin, and only once.
+  void place(const tinygltf::Node& node, int index, const glm::dmat4& to_world) {
+    if (static_cast<std::size_t>(node.mesh) >= model_.meshes.size())
+      errors_.fail(fmt::format("node {}", index), fmt::format("refers to mesh {}, which is not there", node.mesh),
+                   remedy);
+    soup_.left_out.add("nodes");
+    placed_meshes_.insert(node.mesh);
+    const tinygltf::Mesh& mesh = model_.meshes[static_cast<std::size_t>(node.mesh)];
+    const std::vector<double>& weights = node.weights.empty() ? mesh.weights : node.weights;
+    if (node.skin >= 0) {
+      soup_.left_out.add("skins (as the joints are placed)");
+      soup_.left_out.add("instances of skins", node.extensions.contains("EXT_mesh_gpu_instancing") ? 1 : 0);
+      const std::vector<glm::dmat4>& joints = skins_.matrices(node.skin);
+      for (const tinygltf::Primitive& primitive : mesh.primitives) add(primitive, to_world, &joints, weights);
+      return;
+    }
+    for (const glm::dmat4& instance : instances_of(views_, node, soup_.left_out))
+      for (const tinygltf::Primitive& primitive : mesh.primitives)
+        add(primitive, to_world * instance, nullptr, weights);
+  }
+
+  void add(const tinygltf::Primitive& primitive, const glm::dmat4& to_world, const std::vector<glm::dmat4>* joints,
+           const std::vector<double>& weights) {
     const auto position = primitive.attributes.find("POSITION");
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
-    if (position == primitive.attributes.end() || mode < TINYGLTF_MODE_TRIANGLES)
-      return;  // points and lines have no surface
+    constexpr std::array<const char*, TINYGLTF_MODE_TRIANGLES> without_surface{"points", "lines", "line loops",
+                                                                               "line strips"};
+    if (mode < TINYGLTF_MODE_TRIANGLES)
+      return soup_.left_out.add(fmt::format("primitives of {}", without_surface[static_cast<std::size_t>(mode)]));
+    if (position == primitive.attributes.end()) return soup_.left_out.add("primitives without POSITION");
     if (primitive.extensions.contains(draco)) fail_draco();
-    const GltfAccessor positions(views_, position->second, 3);
+    const MorphedAttribute positions(views_, primitive, "POSITION", weights);
     const std::size_t first = soup_.positions.size();
     if (positions.count() > max_vertices - first) errors_.fail("", "has more than 2^32 - 2 vertices", "split the mesh");
+    const GltfPlacement placement(views_, primitive, positions.count(), to_world, joints);
     for (std::size_t i = 0; i < positions.count(); ++i) {
-      const glm::dvec4 p =
-          to_world * glm::dvec4(positions.value(i, 0), positions.value(i, 1), positions.value(i, 2), 1.0);
+      const glm::dvec4 p = placement.of_vertex(i) * glm::dvec4(positions.value(i), 1.0);
       soup_.add_vertex(p.x, p.y, p.z, 0);
     }
     // A file without materials gets none.
     std::optional<MaterialId> material;
     if (!model_.materials.empty()) material = materials_.id_of(primitive.material);
     const GltfLookup lookup = material ? materials_.lookup(*material) : GltfLookup{};
-    count_left_out(primitive, lookup.set, positions.count());
-    add_normals(primitive, to_world, first, positions.count());
+    count_left_out(primitive, lookup.set, positions.count(), placement.is_skinned());
+    add_normals(primitive, placement, weights, first, positions.count());
     add_colors(primitive, first, positions.count());
     add_texture_coordinates(primitive, lookup, first, positions.count());
-    add_triangles(primitive, mode, first, positions.count(), glm::determinant(glm::dmat3(to_world)) < 0.0);
+    add_triangles(primitive, mode, first, positions.count(), placement);
     if (material) soup_.polygon_materials.resize(soup_.polygon_count(), *material);
   }
 
-  void count_left_out(const tinygltf::Primitive& primitive, int set, std::size_t vertices) {
+  void count_left_out(const tinygltf::Primitive& primitive, int set, std::size_t vertices, bool is_skinned) {
     const std::string used = fmt::format("TEXCOORD_{}", set);
-    for (const auto& [name, accessor] : primitive.attributes) {
-      if (name.starts_with("TEXCOORD_") && name != used) soup_.left_out.add(name, vertices);
-      if (name.starts_with("COLOR_") && name != "COLOR_0") soup_.left_out.add(name, vertices);
-    }
+    const auto is_kept = [&](const std::string& name) {
+      const bool poses = name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");
+      return name == "POSITION" || name == "NORMAL" || name == "COLOR_0" || name == used || (is_skinned && poses);
+    };
+    for (const auto& [name, accessor] : primitive.attributes)
+      if (!is_kept(name)) soup_.left_out.add(name, vertices);
+    soup_.left_out.add("morph targets (at their default weights)", primitive.targets.size());
+    for (const auto& target : primitive.targets)
+      for (const auto& [name, accessor] : target)
+        if (name != "POSITION" && name != "NORMAL") soup_.left_out.add(name + " of morph targets", vertices);
   }
 
-  void add_normals(const tinygltf::Primitive& primitive, const glm::dmat4& to_world, std::size_t first,
-                   std::size_t count) {
+  void add_normals(const tinygltf::Primitive& primitive, const GltfPlacement& placement,
+                   const std::vector<double>& weights, std::size_t first, std::size_t count) {
     const auto found = primitive.attributes.find("NORMAL");
     if (found == primitive.attributes.end()) return;
-    const GltfAccessor normals(views_, found->second, 3);
+    const MorphedAttribute normals(views_, primitive, "NORMAL", weights);
     if (normals.count() < count)
       errors_.fail(fmt::format("accessor {}", found->second), "has fewer normals than there are vertices", remedy);
-    const glm::dmat3 to_world_normal = glm::transpose(glm::inverse(glm::dmat3(to_world)));
+    const auto to_world_of = [&](std::size_t i) {
+      return glm::transpose(glm::inverse(glm::dmat3(placement.of_vertex(i))));
+    };
+    glm::dmat3 to_world(1.0);
     soup_.normals.resize(first, glm::vec3(0.0F));
-    for (std::size_t i = 0; i < count; ++i)
-      soup_.normals.emplace_back(to_world_normal *
-                                 glm::dvec3(normals.value(i, 0), normals.value(i, 1), normals.value(i, 2)));
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i == 0 || placement.is_skinned()) to_world = to_world_of(i);
+      soup_.normals.emplace_back(to_world * normals.value(i));
+    }
   }
 
   void add_colors(const tinygltf::Primitive& primitive, std::size_t first, std::size_t count) {
@@ -333,17 +230,21 @@ class GltfReader {
     if (coordinates.count() < count)
       errors_.fail(fmt::format("accessor {}", found->second), "has fewer texture coordinates than there are vertices",
                    remedy);
+    const glm::dmat2 matrix = lookup.matrix();
     soup_.texture_coordinates.resize(first, glm::vec2(0.0F));
     for (std::size_t i = 0; i < count; ++i) {
       glm::dvec2 at(coordinates.value(i, 0), coordinates.value(i, 1));
-      if (lookup.is_transformed)
-        at = lookup.offset + glm::dvec2(glm::dot(lookup.row_u, at), glm::dot(lookup.row_v, at));
+      if (lookup.is_transformed()) at = lookup.offset + matrix * at;
       soup_.texture_coordinates.emplace_back(to_float(at.x), to_float(at.y));
     }
   }
 
   void add_triangles(const tinygltf::Primitive& primitive, int mode, std::size_t first, std::size_t vertices,
-                     bool mirrored) {
+                     const GltfPlacement& placement) {
+    const auto mirrors = [&](std::uint64_t vertex) {
+      return glm::determinant(glm::dmat3(placement.of_vertex(vertex))) < 0.0;
+    };
+    bool is_mirrored = !placement.is_skinned() && mirrors(0);
     std::vector<std::uint64_t> indices(vertices);
     for (std::size_t i = 0; i < vertices; ++i) indices[i] = i;
     if (primitive.indices >= 0) {
@@ -361,7 +262,8 @@ class GltfReader {
         mode == TINYGLTF_MODE_TRIANGLES ? indices.size() / 3 : std::max<std::size_t>(indices.size(), 2) - 2;
     for (std::size_t t = 0; t < triangles; ++t) {
       std::array<std::uint64_t, 3> corners = corners_of(indices, mode, t);
-      if (mirrored) std::swap(corners[1], corners[2]);  // as glTF requires: the front stays the front
+      if (placement.is_skinned()) is_mirrored = mirrors(corners[0]);
+      if (is_mirrored) std::swap(corners[1], corners[2]);  // as glTF requires: the front stays the front
       for (const std::uint64_t corner : corners) soup_.add_corner(static_cast<VertexId>(first + corner));
       soup_.end_polygon(0);
     }
@@ -384,31 +286,82 @@ class GltfReader {
   static constexpr const char* draco = "KHR_draco_mesh_compression";
 
   const tinygltf::Model& model_;
+  std::string_view text_;
   const FileErrors& errors_;
   PolygonSoup soup_;
   GltfViews views_;
+  GltfSkins skins_;
   GltfMaterials materials_;
+  std::set<int> placed_meshes_;
   std::size_t visits_ = 0;
 };
 
-// tinygltf's own callbacks expand names through the shell and read any kind of file, even an endless device.
-tinygltf::FsCallbacks plain_files() {
-  tinygltf::FsCallbacks files{};
-  files.FileExists = [](const std::string& name, void*) {
+// What tinygltf reads beside the file itself. Its own callbacks expand names through the shell and read any kind of
+// file, even an endless device, and it knows data URIs of a few media types only.
+class FilesBeside {
+ public:
+  explicit FilesBeside(std::string folder) : folder_(std::move(folder)) {}
+
+  // The result refers to this object.
+  [[nodiscard]] tinygltf::FsCallbacks callbacks() {
+    tinygltf::FsCallbacks files{};
+    files.user_data = this;
+    files.FileExists = [](const std::string& name, void* self) {
+      return static_cast<FilesBeside*>(self)->data_uri(name).has_value() || !existing(name).empty();
+    };
+    files.ExpandFilePath = [](const std::string& name, void*) { return name; };
+    files.ReadWholeFile = [](std::vector<unsigned char>* bytes, std::string* problem, const std::string& name,
+                             void* self) {
+      if (const auto uri = static_cast<FilesBeside*>(self)->data_uri(name))
+        return static_cast<FilesBeside*>(self)->decode(*uri, *bytes);
+      return tinygltf::ReadWholeFile(bytes, problem, existing(name), nullptr);
+    };
+    files.WriteWholeFile = &tinygltf::WriteWholeFile;
+    return files;
+  }
+  // Returns what is wrong with a data URI, if anything is.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+
+ private:
+  // Returns a name as it is, or with '+' where tinygltf has made a blank of it; empty when there is no such file.
+  [[nodiscard]] static std::string existing(std::string name) {
     std::error_code unknown;
-    return std::filesystem::is_regular_file(name, unknown);
-  };
-  files.ExpandFilePath = [](const std::string& name, void*) { return name; };
-  files.ReadWholeFile = &tinygltf::ReadWholeFile;
-  files.WriteWholeFile = &tinygltf::WriteWholeFile;
-  return files;
-}
+    if (std::filesystem::is_regular_file(name, unknown)) return name;
+    std::ranges::replace(name, ' ', '+');
+    return std::filesystem::is_regular_file(name, unknown) ? name : std::string();
+  }
+
+  // tinygltf takes data URIs that it does not know for names of files in the folder.
+  [[nodiscard]] std::optional<DataUri> data_uri(std::string_view name) const {
+    if (name.starts_with(folder_)) name.remove_prefix(folder_.size());
+    while (name.starts_with('/')) name.remove_prefix(1);
+    return parse_data_uri(name);
+  }
+
+  bool decode(const DataUri& uri, std::vector<unsigned char>& bytes) {
+    const auto decoded = uri.is_base64 ? decode_base64(uri.data) : std::nullopt;
+    if (decoded)
+      bytes = *decoded;
+    else
+      problem_ = fmt::format("has a buffer as a data URI of media type {}, which is not base64",
+                             uri.media_type.empty() ? "text/plain" : in_quotes(uri.media_type));
+    return decoded.has_value();
+  }
+
+  std::string folder_;
+  std::string problem_;
+};
 
 }  // namespace
 
 PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors) {
+  if (is_nested_too_deeply(gltf_text(bytes)))
+    errors.fail("", fmt::format("has JSON with more than {} nested arrays and objects", max_json_depth),
+                "export the mesh without extras");
+  const std::string folder = std::filesystem::path(errors.subject()).parent_path().string();
+  FilesBeside files(folder);
   tinygltf::TinyGLTF loader;
-  loader.SetFsCallbacks(plain_files());
+  loader.SetFsCallbacks(files.callbacks());
   // Images are not decoded; those in buffer views are looked up later, where the view is checked.
   loader.SetImageLoader(
       [](tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* data, int size,
@@ -421,7 +374,6 @@ PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors) {
   bytes = with_missing_buffers(bytes, patched);
   tinygltf::Model model;
   std::string problem, warning;
-  const std::string folder = std::filesystem::path(errors.subject()).parent_path().string();
   const auto size = static_cast<unsigned int>(std::min<std::size_t>(bytes.size(), 0xffffffffU));
   bool read = false;
   try {
@@ -434,11 +386,12 @@ PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors) {
   } catch (const std::exception&) {  // tinygltf assumes that all parts of a binary file exist
     problem = "its parts do not fit together";
   }
+  if (!files.problem().empty()) errors.fail("", files.problem(), remedy);
   if (!read) {
     std::replace(problem.begin(), problem.end(), '\n', ' ');
     errors.fail("", "is not a glTF file that can be read: " + in_quotes(problem), remedy);
   }
-  PolygonSoup soup = GltfReader(model, errors).run();
+  PolygonSoup soup = GltfReader(model, gltf_text(bytes), errors).run();
   soup.check(errors);
   return soup;
 }

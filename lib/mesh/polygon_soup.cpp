@@ -233,6 +233,7 @@ TriangleMesh take_mesh(PolygonSoup& soup, MeshReport& report, const FileErrors& 
   mesh.textures = std::move(soup.textures);
   mesh.texture_origin = soup.texture_origin;
   mesh.origin = soup.origin;
+  mesh.up = soup.up;
   soup = {};
   return mesh;
 }

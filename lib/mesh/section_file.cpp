@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "base/atomic_file.h"
+#include "base/strict_json.h"
 #include "base/text.h"
 #include "occlod/base.h"
 
@@ -354,6 +355,14 @@ TextureWrap wrap_of(const Json& name) {
   throw Json::other_error::create(501, "no wrap mode", &name);
 }
 
+constexpr const char* alpha_names[] = {"by_color", "mask", "blend"};
+
+AlphaMode alpha_mode_of(const Json& name) {
+  for (std::size_t i = 0; i < std::size(alpha_names); ++i)
+    if (name == alpha_names[i]) return static_cast<AlphaMode>(i);
+  throw Json::other_error::create(501, "no alpha mode", &name);
+}
+
 Json to_json(const Texture& texture) {
   Json json = {{"file", texture.file},
                {"mime_type", texture.mime_type},
@@ -362,6 +371,8 @@ Json to_json(const Texture& texture) {
                {"wrap_t", wrap_names[static_cast<std::size_t>(texture.wrap_t)]}};
   // Bytes that are not UTF-8 are kept, so that the file is found, as if they were Latin-1.
   if (!is_utf8(texture.file)) json["file_latin1"] = from_latin1(texture.file);
+  if (texture.min_filter != 0) json["min_filter"] = texture.min_filter;
+  if (texture.mag_filter != 0) json["mag_filter"] = texture.mag_filter;
   return json;
 }
 
@@ -371,10 +382,81 @@ std::string file_of(const Json& texture) {
   throw Json::other_error::create(501, "not Latin-1", &texture);
 }
 
+// Calls visit(key, field) for each field of a map or a surface that a file may lack.
+template <class Map, class Visit>
+void for_each_map_field(Map& map, const Visit& visit) {
+  visit("texture", map.texture);
+  visit("strength", map.strength);
+  visit("offset", map.offset);
+  visit("rotation", map.rotation);
+  visit("scale", map.scale);
+}
+template <class Look, class Visit>
+void for_each_surface_field(Look& surface, const Visit& visit) {
+  visit("alpha_mode", surface.alpha_mode);
+  visit("alpha_cutoff", surface.alpha_cutoff);
+  visit("double_sided", surface.double_sided);
+  visit("unlit", surface.unlit);
+  visit("metallic", surface.metallic);
+  visit("roughness", surface.roughness);
+  visit("emissive", surface.emissive);
+  visit("metallic_map", surface.metallic_map);
+  visit("normal_map", surface.normal_map);
+  visit("occlusion_map", surface.occlusion_map);
+  visit("emissive_map", surface.emissive_map);
+}
+
+template <class T>
+Json value_of(const T& field) {
+  return field;
+}
+Json value_of(const AlphaMode& mode) { return alpha_names[static_cast<std::size_t>(mode)]; }
+Json value_of(const glm::vec2& v) { return {v.x, v.y}; }
+Json value_of(const glm::vec3& v) { return {v.x, v.y, v.z}; }
+Json value_of(const TextureMap& map);
+
+template <class T>
+void read_value(const Json& json, T& field) {
+  field = json.get<T>();
+}
+void read_value(const Json& json, AlphaMode& mode) { mode = alpha_mode_of(json); }
+void read_value(const Json& json, glm::vec2& v) { v = {json.at(0).get<float>(), json.at(1).get<float>()}; }
+void read_value(const Json& json, glm::vec3& v) {
+  v = {json.at(0).get<float>(), json.at(1).get<float>(), json.at(2).get<float>()};
+}
+void read_value(const Json& json, TextureMap& map);
+
+Json value_of(const TextureMap& map) {
+  Json json = Json::object();
+  const TextureMap usual;
+  for_each_map_field(map, [&](const char* key, const auto& field) { json[key] = value_of(field); });
+  for_each_map_field(usual, [&](const char* key, const auto& field) {
+    if (json[key] == value_of(field)) json.erase(key);
+  });
+  return json;
+}
+
+Json to_json(const Surface& surface) {
+  Json json = Json::object();
+  const Surface usual;
+  for_each_surface_field(surface, [&](const char* key, const auto& field) { json[key] = value_of(field); });
+  for_each_surface_field(usual, [&](const char* key, const auto& field) {
+    if (json[key] == value_of(field)) json.erase(key);
+  });
+  return json;
+}
+
+void read_value(const Json& json, TextureMap& map) {
+  for_each_map_field(map, [&](const char* key, auto& field) {
+    if (json.contains(key)) read_value(json[key], field);
+  });
+}
+
 Json to_json(const Material& material) {
   const glm::vec4& c = material.base_color;
   Json json = {{"name", material.name}, {"base_color", {c.r, c.g, c.b, c.a}}};
   if (material.texture != no_texture) json["texture"] = material.texture;
+  if (material.surface != Surface{}) json["surface"] = to_json(material.surface);
   return json;
 }
 
@@ -384,6 +466,10 @@ Material material_of(const Json& json) {
   for (int i = 0; i < 4; ++i)
     material.base_color[i] = json.at("base_color").at(static_cast<std::size_t>(i)).get<float>();
   if (json.contains("texture")) material.texture = json["texture"].get<TextureId>();
+  if (json.contains("surface"))
+    for_each_surface_field(material.surface, [&](const char* key, auto& field) {
+      if (json["surface"].contains(key)) read_value(json["surface"][key], field);
+    });
   return material;
 }
 
@@ -398,6 +484,7 @@ void convert_names(Json& json, std::string (*convert)(std::string_view)) {
 
 std::optional<Materials> unpack(std::string_view text, std::span<const std::uint8_t> images) {
   try {
+    if (is_nested_too_deeply(text)) return std::nullopt;
     Json json = Json::parse(text);
     convert_names(json, bytes_of_utf8);
     Materials result;
@@ -412,10 +499,13 @@ std::optional<Materials> unpack(std::string_view text, std::span<const std::uint
                                  texture.at("mime_type").get<std::string>(),
                                  {images.begin(), images.begin() + static_cast<std::ptrdiff_t>(size)},
                                  wrap_of(texture.at("wrap_s")),
-                                 wrap_of(texture.at("wrap_t"))});
+                                 wrap_of(texture.at("wrap_t")),
+                                 texture.value("min_filter", std::uint16_t{0}),
+                                 texture.value("mag_filter", std::uint16_t{0})});
       images = images.subspan(size);
     }
     if (!images.empty()) return std::nullopt;
+    if (json.value("up", "z") == "y") result.up = UpAxis::y;
     return result;
   } catch (const Json::exception&) {
     return std::nullopt;
@@ -424,12 +514,15 @@ std::optional<Materials> unpack(std::string_view text, std::span<const std::uint
 
 }  // namespace
 
-void MaterialSections::pack(std::span<const Material> materials, std::span<const Texture> textures,
-                            TextureOrigin origin) {
+std::string text_of(const Surface& surface) { return to_json(surface).dump(); }
+
+void MaterialSections::pack(Materials all, const ImageFolders& folders) {
+  lead_to_images(all.textures, folders);
   Json json = {{"materials", Json::array()}, {"textures", Json::array()}};
-  json["origin"] = origin == TextureOrigin::bottom_left ? "bottom_left" : "top_left";
-  for (const Material& material : materials) json["materials"].push_back(to_json(material));
-  for (const Texture& texture : textures) {
+  json["origin"] = all.origin == TextureOrigin::bottom_left ? "bottom_left" : "top_left";
+  if (all.up == UpAxis::y) json["up"] = "y";
+  for (const Material& material : all.materials) json["materials"].push_back(to_json(material));
+  for (const Texture& texture : all.textures) {
     json["textures"].push_back(to_json(texture));
     images_.insert(images_.end(), texture.bytes.begin(), texture.bytes.end());
   }

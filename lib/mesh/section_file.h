@@ -15,6 +15,7 @@
 
 #include "base/file_input.h"
 #include "base/memory.h"
+#include "mesh/image_files.h"
 #include "occlod/mesh.h"
 
 namespace occlod::olod {
@@ -186,21 +187,29 @@ struct Materials {
   std::vector<Material> materials;
   std::vector<Texture> textures;
   TextureOrigin origin = TextureOrigin::bottom_left;
+  UpAxis up = UpAxis::z;
 };
 
-// Writes materials as JSON text and the bytes of embedded images, one after the other. Must stay valid while a
-// SectionWriter uses it.
+// Returns the JSON text of what differs from an empty Surface.
+[[nodiscard]] std::string text_of(const Surface& surface);
+
+// Writes materials as JSON text, which has only what is not usual of surfaces, and the bytes of embedded images, one
+// after the other. Must stay valid while a SectionWriter uses it.
 class MaterialSections {
  public:
   // `view` is a HierarchyView or an HlodView.
   template <typename View>
-  void add(const View& view, SectionWriter& writer) {
-    pack(view.materials, view.textures, view.texture_origin);
+  void add(const View& view, SectionWriter& writer, const ImageFolders& folders) {
+    pack({{view.materials.begin(), view.materials.end()},
+          {view.textures.begin(), view.textures.end()},
+          view.texture_origin,
+          view.up},
+         folders);
     add_to(writer);
   }
 
  private:
-  void pack(std::span<const Material> materials, std::span<const Texture> textures, TextureOrigin origin);
+  void pack(Materials all, const ImageFolders& folders);
   void add_to(SectionWriter& writer) const;
 
   std::string text_;

@@ -46,6 +46,7 @@ TriangleMesh PieceCutter::cut(std::size_t begin, std::size_t end) {
   gather(mesh_.texture_coordinates, piece.texture_coordinates);
   piece.texture_origin = mesh_.texture_origin;
   piece.origin = mesh_.origin;
+  piece.up = mesh_.up;
   for (const WedgeId wedge : wedges_) local_[wedge] = no_id;
   return piece;
 }

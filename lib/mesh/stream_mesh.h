@@ -26,11 +26,12 @@ struct MeshArrays {
   std::span<const MaterialId> triangle_materials;  // empty or one per triangle
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
   glm::dvec3 origin{0.0};  // of positions
+  UpAxis up = UpAxis::z;
 };
 
 [[nodiscard]] inline MeshArrays arrays_of(const TriangleMesh& mesh) {
   return {mesh.positions,          mesh.normals,        mesh.colors, mesh.texture_coordinates, mesh.wedge_triangles(),
-          mesh.triangle_materials, mesh.texture_origin, mesh.origin};
+          mesh.triangle_materials, mesh.texture_origin, mesh.origin, mesh.up};
 }
 
 class PieceCutter {

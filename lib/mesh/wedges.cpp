@@ -301,6 +301,7 @@ class Creaser {
     result_.textures = mesh_.textures;
     result_.texture_origin = mesh_.texture_origin;
     result_.origin = mesh_.origin;
+    result_.up = mesh_.up;
     return std::move(result_);
   }
 

@@ -13,6 +13,7 @@
 #include "base/atomic_file.h"
 #include "base/file_input.h"
 #include "base/text.h"
+#include "mesh/image_files.h"
 #include "mesh/materials.h"
 #include "mesh/mesh_files.h"
 #include "mesh/mesh_writers.h"
@@ -25,13 +26,6 @@ namespace occlod {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string extension_of(const Texture& texture) {
-  const std::string type = mime_type_of(texture);
-  if (type == "image/png") return ".png";
-  if (type == "image/jpeg") return ".jpg";
-  return type.starts_with("image/") ? "." + type.substr(6) : ".bin";
-}
 
 // True when readers find the name again: it is on one line, has no blanks around it, and is no comment.
 bool is_plain(const std::string& name) {
@@ -85,9 +79,9 @@ std::string encoded(float linear) {
   return fmt::format("{}", value);
 }
 
-void write_mtl(const TriangleMesh& mesh, const std::vector<std::string>& names, const fs::path& mesh_path) {
-  const std::vector<std::string> files = texture_files(mesh, mesh_path);
-  AtomicFile file(fs::path(mesh_path).replace_extension(".mtl"));
+void write_mtl(const TriangleMesh& mesh, const std::vector<std::string>& names, const MeshOutput& output) {
+  const std::vector<std::string> files = texture_files(mesh, output);
+  AtomicFile file(fs::path(output.path).replace_extension(".mtl"));
   ChunkedWriter out(file);
   for (std::size_t m = 0; m < mesh.materials.size(); ++m) {
     const Material& material = mesh.materials[m];
@@ -182,11 +176,11 @@ void write_faces(ChunkedWriter& out, const TriangleMesh& mesh, const std::vector
 
 }  // namespace
 
-void write_obj(ChunkedWriter& out, const TriangleMesh& mesh, const fs::path& path) {
+void write_obj(ChunkedWriter& out, const TriangleMesh& mesh, const MeshOutput& output) {
   const std::vector<std::string> names = material_names(mesh);
   if (!names.empty()) {
-    write_mtl(mesh, names, path);
-    out.text("mtllib {}\n", name_in_text(path.filename().replace_extension(".mtl").string()));
+    write_mtl(mesh, names, output);
+    out.text("mtllib {}\n", name_in_text(output.path.filename().replace_extension(".mtl").string()));
   }
   write_vertices(out, mesh);
   write_attributes(out, mesh);
@@ -194,29 +188,30 @@ void write_obj(ChunkedWriter& out, const TriangleMesh& mesh, const fs::path& pat
   write_faces(out, mesh, names);
 }
 
-std::string mime_type_of(const Texture& texture) {
-  if (!texture.mime_type.empty()) return texture.mime_type;
-  const auto begins_with = [&](std::initializer_list<std::uint8_t> bytes) {
-    return texture.bytes.size() >= bytes.size() && std::equal(bytes.begin(), bytes.end(), texture.bytes.begin());
-  };
-  if (begins_with({0x89, 'P', 'N', 'G'})) return "image/png";
-  return begins_with({0xff, 0xd8}) ? "image/jpeg" : "application/octet-stream";
-}
-
-std::vector<std::string> texture_files(const TriangleMesh& mesh, const fs::path& path) {
+std::vector<std::string> texture_files(const TriangleMesh& mesh, const MeshOutput& output) {
+  const fs::path& path = output.path;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < mesh.textures.size(); ++i) {
     const Texture& texture = mesh.textures[i];
     if (texture.bytes.empty()) {
-      names.push_back(texture.file);
+      names.push_back(name_that_leads(texture.file, {output.image_folder, folder_of(path)}));
+      note_missing(texture.file, output);
       continue;
     }
-    names.push_back(fmt::format("{}_{}{}", path.stem().string(), i, extension_of(texture)));
+    names.push_back(fmt::format("{}_{}{}", path.stem().string(), i, image_extension(image_type(texture))));
     AtomicFile file(path.parent_path() / names.back());
     file.write(std::as_bytes(std::span(texture.bytes)));
     file.commit();
   }
   return names;
+}
+
+void note_missing(const std::string& file, const MeshOutput& output) {
+  std::error_code unknown;
+  if (fs::is_regular_file(image_path(file, output.image_folder), unknown)) return;
+  const std::string note =
+      fmt::format("the image {} is not in {}", in_quotes(file), in_quotes(output.image_folder.string()));
+  if (std::ranges::find(output.notes, note) == output.notes.end()) output.notes.push_back(note);
 }
 
 // Our own writers: OpenMesh's exporters need a half-edge mesh behind an interface of forty functions, and round
@@ -240,9 +235,9 @@ bool needs_texture_numbers(const TriangleMesh& mesh) {
 
 // `counts` are those of the file; everything else is taken from `mesh`.
 void write_ply_header(ChunkedWriter& out, const TriangleMesh& mesh, const WrittenCounts& counts,
-                      const std::filesystem::path& path) {
+                      const MeshOutput& output) {
   out.text("ply\nformat binary_little_endian 1.0\n");
-  for (const std::string& file : texture_files(mesh, path)) out.text("comment TextureFile {}\n", name_in_text(file));
+  for (const std::string& file : texture_files(mesh, output)) out.text("comment TextureFile {}\n", name_in_text(file));
   const char* const type = mesh.origin == glm::dvec3(0.0) ? "float" : "double";
   out.text("element vertex {}\nproperty {} x\nproperty {} y\nproperty {} z\n", counts.vertices, type, type, type);
   if (!mesh.normals.empty()) out.text("property float nx\nproperty float ny\nproperty float nz\n");
@@ -260,8 +255,8 @@ void write_ply_header(ChunkedWriter& out, const TriangleMesh& mesh, const Writte
 
 // Writes a vertex for each wedge: readers that weld merge those with equal positions, and others show seams correctly.
 // When faces name a texture they repeat the texture coordinates, as MeshLab does.
-void write_ply(ChunkedWriter& out, const TriangleMesh& mesh, const std::filesystem::path& path) {
-  write_ply_header(out, mesh, {mesh.wedge_count(), mesh.triangle_count()}, path);
+void write_ply(ChunkedWriter& out, const TriangleMesh& mesh, const MeshOutput& output) {
+  write_ply_header(out, mesh, {mesh.wedge_count(), mesh.triangle_count()}, output);
   for (std::size_t w = 0; w < mesh.wedge_count(); ++w) {
     if (mesh.origin == glm::dvec3(0.0))
       out.vector(mesh.positions[w]);
@@ -377,7 +372,8 @@ WrittenCounts write_mesh_parts(const std::filesystem::path& path, const MeshPart
   const bool is_ply = format_of_parts(path) == MeshFormat::ply;
   AtomicFile file(path);
   ChunkedWriter out(file);
-  if (is_ply) write_ply_header(out, {}, for_each_part(parts, path, [](const auto&...) {}), path);
+  std::vector<std::string> notes;  // stays empty: parts have no images
+  if (is_ply) write_ply_header(out, {}, for_each_part(parts, path, [](const auto&...) {}), {path, path, notes});
   const WrittenCounts counts = write_parts(out, parts, is_ply, path);
   out.flush();
   file.commit();
@@ -389,20 +385,27 @@ void check_mesh_output(const std::filesystem::path& path) {
   AtomicFile::check(path);
 }
 
-void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
+std::vector<std::string> write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
+  return write_mesh(path, mesh, folder_of(path));
+}
+
+std::vector<std::string> write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh,
+                                    const std::filesystem::path& image_folder) {
   assert(mesh.normals.empty() || mesh.normals.size() == mesh.wedge_count());
   assert(mesh.colors.empty() || mesh.colors.size() == mesh.wedge_count());
   assert(mesh.texture_coordinates.empty() || mesh.texture_coordinates.size() == mesh.wedge_count());
   const MeshFormat format = format_to_write(path);
   FileGroup together;  // with the material library and the images
+  std::vector<std::string> notes;
+  const MeshOutput output{path, image_folder, notes};
   AtomicFile file(path);
   ChunkedWriter out(file);
   switch (format) {
     case MeshFormat::ply:
-      write_ply(out, mesh, path);
+      write_ply(out, mesh, output);
       break;
     case MeshFormat::obj:
-      write_obj(out, mesh, path);
+      write_obj(out, mesh, output);
       break;
     case MeshFormat::off:
       write_off(out, mesh);
@@ -411,12 +414,13 @@ void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
       write_stl(out, mesh);
       break;
     case MeshFormat::gltf:
-      write_glb(out, mesh, path);
+      write_glb(out, mesh, output);
       break;
   }
   out.flush();
   file.commit();
   together.commit();
+  return notes;
 }
 
 }  // namespace occlod

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <glm/geometric.hpp>
@@ -16,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/materials.h"
 #include "mesh/origin.h"
 #include "mesh/stream_mesh.h"
 #include "occlod/base.h"
@@ -97,8 +99,7 @@ MaterialId SceneMaterials::add_materials(const TriangleMesh& mesh, const std::st
   all_.materials.insert(all_.materials.end(), mesh.materials.begin(), mesh.materials.end());
   all_.materials.resize(first + count);
   for (std::size_t m = first; m < all_.materials.size(); ++m)
-    if (TextureId& texture = all_.materials[m].texture; texture != no_texture)
-      texture = static_cast<TextureId>(texture + first_texture);
+    change_textures(all_.materials[m], [&](TextureId id) { return static_cast<TextureId>(id + first_texture); });
   for (Texture texture : mesh.textures) {
     texture.file = name_of_image(texture.file, std::filesystem::path(name).parent_path());
     all_.textures.push_back(std::move(texture));
@@ -192,6 +193,13 @@ void append_placed(TriangleMesh& all, const TriangleMesh& mesh, const glm::dmat4
   }
 }
 
+// Returns the axis that points up once a mesh is placed: y if the mesh's y is nearest to it. A mesh of another format
+// does not say what its axes are.
+UpAxis placed_up(UpAxis up, const glm::dmat4& object_to_world) {
+  const glm::dvec3 y(object_to_world[1]);
+  return up == UpAxis::y && y.y > std::max(std::abs(y.x), std::abs(y.z)) ? UpAxis::y : UpAxis::z;
+}
+
 MeshJoiner::MeshJoiner(std::string name, const std::filesystem::path& folder, const Origin& origin)
     : name_(std::move(name)), origin_(origin), materials_(all_, name_, folder) {}
 
@@ -202,6 +210,8 @@ void MeshJoiner::add(const TriangleMesh& mesh, const glm::dmat4& object_to_world
   if (all_.texture_coordinates.empty()) all_.texture_origin = mesh.texture_origin;
   append_placed(all_, mesh, object_to_world, origin_);
   materials_.add_triangles(mesh, source_name);
+  const UpAxis up = placed_up(mesh.up, object_to_world);
+  all_.up = count_ == 0 || up == all_.up ? up : UpAxis::z;
   ++count_;
 }
 
@@ -373,6 +383,9 @@ class SceneStreamer {
     if (!piece.texture_coordinates.empty() && !origin_) origin_ = piece.texture_origin;
     placed.texture_origin = origin_.value_or(TextureOrigin::bottom_left);
     append_placed(placed, piece, place_of(object, piece), whole_);
+    const UpAxis up = placed_up(piece.up, scene_.objects[object].object_to_world);
+    up_ = !up_ || *up_ == up ? up : UpAxis::z;
+    placed.up = *up_;
     if (materials_.any()) {
       placed.materials = table_.materials;
       placed.textures = table_.textures;
@@ -390,6 +403,7 @@ class SceneStreamer {
   SceneMaterials materials_;
   std::optional<TextureOrigin> origin_;
   Origin whole_;
+  std::optional<UpAxis> up_;                // of all so far
   std::unique_ptr<StreamedMesh> streamed_;  // the most recent file
   std::string streamed_name_;
 };

@@ -229,6 +229,7 @@ class Assembler {
     result_.data.textures = mesh_.textures;
     result_.data.texture_origin = mesh_.texture_origin;
     result_.data.origin = mesh_.origin;
+    result_.data.up = mesh_.up;
     result_.data.box = bounding_box(result_.data.positions);
     result_.data.input_triangle_count = mesh_.triangle_count();
   }

@@ -67,7 +67,7 @@ void check_wedges(const TriangleMesh& mesh) {
     }
   }
   for (std::size_t m = 0; m < mesh.materials.size(); ++m)
-    if (mesh.materials[m].texture != no_texture && mesh.materials[m].texture >= mesh.textures.size())
+    if (mesh.materials[m].texture_beyond(mesh.textures.size()) != no_texture)
       fail("material " + std::to_string(m), "names a texture that is not there");
 }
 

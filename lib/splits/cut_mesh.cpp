@@ -118,6 +118,7 @@ class Compaction {
     mesh_.textures = {data_.textures.begin(), data_.textures.end()};
     mesh_.texture_origin = data_.texture_origin;
     mesh_.origin = data_.origin;
+    mesh_.up = data_.up;
   }
 
   void add(Triangle triangle) {

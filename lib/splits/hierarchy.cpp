@@ -38,7 +38,8 @@ HierarchyView view_of(const HierarchyData& data) {
           data.textures,
           data.attribute_errors,
           data.texture_origin,
-          data.origin};
+          data.origin,
+          data.up};
 }
 
 Hierarchy make_hierarchy(HierarchyData data) {
@@ -79,7 +80,8 @@ HierarchyData copy_data(const Hierarchy& hierarchy) {
           {view.textures.begin(), view.textures.end()},
           to_vector(view.attribute_errors),
           view.texture_origin,
-          view.origin};
+          view.origin,
+          view.up};
 }
 
 Hierarchy::Hierarchy(const HierarchyView& view, std::shared_ptr<const void> owner)

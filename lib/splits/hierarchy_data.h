@@ -39,6 +39,7 @@ struct HierarchyData {
   UninitializedVector<std::uint16_t> attribute_errors;
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
   glm::dvec3 origin{0.0};
+  UpAxis up = UpAxis::z;
 };
 
 [[nodiscard]] HierarchyView view_of(const HierarchyData& data);

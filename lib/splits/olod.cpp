@@ -151,6 +151,7 @@ OlodFile read_olod(const std::filesystem::path& path, OlodAccess access) {
   view.textures = owner->materials.textures;
   view.texture_origin = owner->materials.origin;
   view.origin = reader->read_origin();
+  view.up = owner->materials.up;
   const auto summary = reader->read_one<Summary>(summary_name, "summary");
   const MeshReport report = reader->read_report();
   const auto digests = reader->read<std::uint64_t>(digests_name);
@@ -183,7 +184,7 @@ std::vector<std::uint64_t> digests_of(const HierarchyView& view) {
 }  // namespace
 
 void write_olod(const std::filesystem::path& path, const Hierarchy& hierarchy, const MeshReport& report,
-                OlodCompression compression) {
+                OlodCompression compression, const std::filesystem::path& image_folder) {
   hierarchy.require_all();
   const HierarchyView& view = hierarchy.data();
   const Codec codec = compression == OlodCompression::zstd ? Codec::zstd : Codec::stored;
@@ -199,8 +200,8 @@ void write_olod(const std::filesystem::path& path, const Hierarchy& hierarchy, c
       if (!array.empty())
         writer.add(name, array, has_blocks ? Check::parts : Check::whole, has_blocks ? codec : Codec::stored);
     });
-    materials.add(view, writer);
   }
+  if (needs_wedges(view) || view.up != UpAxis::z) materials.add(view, writer, {image_folder, folder_of(path)});
   if (writer.add_origin(view.origin)) kind.version = olod_version;
   const Summary summary{view.box, view.input_triangle_count, view.face_count, view.error_bound, 0};
   const std::vector<std::uint64_t> digests = digests_of(view);

@@ -102,6 +102,7 @@ TriangleMesh in_spatial_order(const TriangleMesh& mesh, unsigned threads) {
   result.textures = mesh.textures;
   result.texture_origin = mesh.texture_origin;
   result.origin = mesh.origin;
+  result.up = mesh.up;
   result.triangles.resize(mesh.triangles.size());
   for_each_id(mesh.triangles.size(), threads, [&, &new_id = new_id](std::uint32_t f) {
     const Triangle& t = mesh.triangles[f];

@@ -81,9 +81,8 @@ Problem check_wedges(const HierarchyView& d) {
       if (!is_wedge_of(d.base_corners[f][k], d.base_faces[f][k], d.extra_wedges, vertices))
         return fmt::format("base face {} has a wedge of another vertex", f);
   for (std::size_t m = 0; m < d.materials.size(); ++m)
-    if (d.materials[m].texture != no_texture && d.materials[m].texture >= d.textures.size())
-      return fmt::format("material {} names texture {}, but there are {}", m, d.materials[m].texture,
-                         d.textures.size());
+    if (const TextureId texture = d.materials[m].texture_beyond(d.textures.size()); texture != no_texture)
+      return fmt::format("material {} names texture {}, but there are {}", m, texture, d.textures.size());
   return std::nullopt;
 }
 

@@ -303,13 +303,14 @@ void bind_hierarchy(nb::module_& m) {
       .def(
           "write",
           [](const Hierarchy& h, const std::filesystem::path& path, const std::optional<MeshReport>& report,
-             OlodCompression compression) {
+             OlodCompression compression, const std::filesystem::path& images) {
             const ReleasedGil release;
-            write_olod(path, h, report.value_or(MeshReport{}), compression);
+            write_olod(path, h, report.value_or(MeshReport{}), compression, images);
           },
-          "path"_a, nb::kw_only(), "report"_a = nb::none(), "compression"_a = OlodCompression::none,
+          "path"_a, nb::kw_only(), "report"_a = nb::none(), "compression"_a = OlodCompression::none, "images"_a = "",
           "As .olod, with the report of the mesh that it was built from. An old file stays as it was when writing\n"
-          "fails.")
+          "fails. With `images`, the folder that names of textures are relative to, the names of those that are there\n"
+          "are written so that they lead to them from the file.")
       .def("__repr__", [](const Hierarchy& h) {
         return "<occlod.Hierarchy of " + std::to_string(h.input_triangle_count()) + " triangles, " +
                std::to_string(h.base_triangle_count()) + " in the base mesh>";

@@ -193,12 +193,12 @@ void bind_hlod_class(nb::module_& m) {
       .def(
           "write",
           [](const Hlod& h, const std::filesystem::path& path, const std::optional<MeshReport>& report,
-             OlodCompression compression) {
+             OlodCompression compression, const std::filesystem::path& images) {
             const ReleasedGil release;
-            write_ohlod(path, h, report.value_or(MeshReport{}), compression);
+            write_ohlod(path, h, report.value_or(MeshReport{}), compression, images);
           },
-          "path"_a, nb::kw_only(), "report"_a = nb::none(), "compression"_a = OlodCompression::zstd,
-          "As .ohlod; compressed node by node.")
+          "path"_a, nb::kw_only(), "report"_a = nb::none(), "compression"_a = OlodCompression::zstd, "images"_a = "",
+          "As .ohlod; compressed node by node. `images` is as in Hierarchy.write().")
       .def(
           "has_within", [](const Hlod& h, std::int64_t n) { return h.has_within(checked(h, n)); }, "node"_a,
           "Whether the node has collapses of its own: Within.splits.")

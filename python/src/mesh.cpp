@@ -197,7 +197,7 @@ void require_valid_wedges(const TriangleMesh& mesh) {
           "has material " + std::to_string(mesh.triangle_materials[t]) + " of " + std::to_string(mesh.materials.size()),
           "materials are counted from 0");
   for (std::size_t m = 0; m < mesh.materials.size(); ++m)
-    if (const TextureId texture = mesh.materials[m].texture; texture != no_texture && texture >= mesh.textures.size())
+    if (const TextureId texture = mesh.materials[m].texture_beyond(mesh.textures.size()); texture != no_texture)
       fail("material " + std::to_string(m),
            "has texture " + std::to_string(texture) + " of " + std::to_string(mesh.textures.size()),
            "textures are counted from 0");
@@ -298,6 +298,7 @@ void bind_mesh(nb::module_& m) {
           [](TriangleMesh& mesh, std::vector<Texture> textures) { mesh.textures = std::move(textures); },
           nb::for_getter(nb::sig(textures_sig)), "That materials count; set as a whole.")
       .def_rw("texture_origin", &TriangleMesh::texture_origin, "Of texture_coordinates.")
+      .def_rw("up", &TriangleMesh::up, "The axis that points up, as far as the file says.")
       .def_prop_ro("vertex_count", &TriangleMesh::vertex_count, "Of positions, without those of extra wedges.")
       .def_prop_ro("wedge_count", &TriangleMesh::wedge_count, "Vertices and extra wedges.")
       .def_prop_ro("triangle_count", &TriangleMesh::triangle_count)
@@ -326,14 +327,21 @@ void bind_mesh(nb::module_& m) {
           "Counts the topology of the mesh as it is. O(n).")
       .def(
           "write",
-          [](const TriangleMesh& mesh, const std::filesystem::path& path) {
-            const ReleasedGil release;
-            require_valid(mesh);
-            write_mesh(path, mesh);
+          [](const TriangleMesh& mesh, const std::filesystem::path& path, const std::filesystem::path& images) {
+            std::vector<std::string> notes;
+            {
+              const ReleasedGil release;
+              require_valid(mesh);
+              notes = images.empty() ? write_mesh(path, mesh) : write_mesh(path, mesh, images);
+            }
+            for (const std::string& note : notes)
+              if (PyErr_WarnEx(PyExc_UserWarning, note.c_str(), 1) != 0) throw nb::python_error();
           },
-          "path"_a,
-          "As PLY, OBJ, GLB, OFF or STL, by the extension. An old file stays as it was when writing fails. STL has\n"
-          "floats only: its coordinates are relative to the origin.")
+          "path"_a, nb::kw_only(), "images"_a = "",
+          "As PLY, OBJ, GLB, OFF or STL, by the extension. An old file stays as it was when writing fails. `images` is\n"
+          "the folder that names of textures are relative to, else that of the path: GLB holds the images, and other\n"
+          "files lead to them. Warns of those that are not there, and of those that glTF lacks. STL has floats only: its\n"
+          "coordinates are relative to the origin.")
       .def("__repr__", [](const TriangleMesh& mesh) {
         return "<occlod.Mesh of " + std::to_string(mesh.vertex_count()) + " vertices and " +
                std::to_string(mesh.triangle_count()) + " triangles>";

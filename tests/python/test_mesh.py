@@ -169,6 +169,33 @@ class Wedges(unittest.TestCase):
         self.mesh.materials = [material, occlod.Material("odd", texture=1)]
         self.assertEqual(self.mesh.textures[self.mesh.materials[1].texture], texture)
 
+    def test_surfaces_travel(self):
+        """All fields, through a hierarchy's file and a GLB file. Maps name the second texture."""
+        bump = occlod.TextureMap(1, strength=0.5, offset=(0.25, 0.5), rotation=0.5, scale=(2, 4))
+        surface = occlod.Surface(alpha_mode=occlod.AlphaMode.mask, alpha_cutoff=0.25, double_sided=True, unlit=True, metallic=0.5, roughness=0.75,
+                                 emissive=(0.5, 0.25, 1), metallic_map=occlod.TextureMap(1), normal_map=bump,
+                                 occlusion_map=occlod.TextureMap(1, strength=0.25), emissive_map=occlod.TextureMap(0))
+        self.assertEqual((bump.texture, bump.scale, occlod.TextureMap().texture, surface.normal_map, surface.emissive), (1, (2, 4), None, bump, (0.5, 0.25, 1)))
+        texture = occlod.Texture(mime_type="image/png", bytes=b"\x89PNG\0", min_filter=9984, mag_filter=9728)
+        even = self.mesh.materials[0]
+        self.mesh.materials = [occlod.Material(even.name, base_color=even.base_color, texture=0, surface=surface), occlod.Material("odd")]
+        self.mesh.textures, self.mesh.up = [*self.mesh.textures, texture], occlod.UpAxis.y
+        self.assertNotEqual(even.surface, surface)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "a.olod")
+            occlod.build_hierarchy(self.mesh).write(path)
+            mesh = occlod.read_hierarchy(path).cut().mesh()
+            self.assertEqual((mesh.materials, mesh.textures, mesh.up), (self.mesh.materials, self.mesh.textures, occlod.UpAxis.y))
+            with self.assertWarnsRegex(UserWarning, "checker.png"):
+                mesh.write(path.with_suffix(".glb"))
+            read = occlod.read_mesh(path.with_suffix(".glb"))
+            self.assertEqual((read.materials, read.textures), (self.mesh.materials, self.mesh.textures))
+            images = pathlib.Path(folder, "images")
+            images.mkdir()
+            (images / "checker.png").write_bytes(texture.bytes)
+            mesh.write(path.with_suffix(".glb"), images=images)
+            self.assertEqual(occlod.read_mesh(path.with_suffix(".glb")).textures[0].bytes, texture.bytes)
+
     def test_mistakes_are_told(self):
         for arrays, text in [({"corners": self.mesh.triangles[:3]}, "mesh: corners: are 3, of 768 triangles"),
                              ({"texture_coordinates": numpy.zeros((5, 2))}, "mesh: texture_coordinates: are 5, of 486 positions"),

@@ -10,6 +10,7 @@ def use() -> None:
     mesh: occlod.Mesh = occlod.read_mesh("a.ply", progress=print)
     materials: tuple[occlod.Material, ...] = mesh.materials
     mesh.materials = (*materials, occlod.Material("red", base_color=(1.0, 0.0, 0.0, 1.0)))
+    cutoff: float = materials[0].surface.alpha_cutoff
     coordinates: numpy.typing.NDArray[numpy.float32] | None = mesh.texture_coordinates
     hierarchy = occlod.build_hierarchy(mesh, error_bound=occlod.ErrorBound.measured, progress=lambda done: None)
     box: tuple[tuple[float, float, float], tuple[float, float, float]] = hierarchy.box

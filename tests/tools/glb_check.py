@@ -10,6 +10,8 @@ COMPONENTS = {5120: ("b", 1), 5121: ("B", 1), 5122: ("h", 2), 5123: ("H", 2), 51
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 WRAPS = {33071, 33648, 10497}  # of textures: clamp, mirror, repeat
 MESHOPT = "EXT_meshopt_compression"
+OPTIONAL = {"KHR_texture_transform", "KHR_materials_unlit"}
+IMAGES = {"image/webp": "EXT_texture_webp", "image/ktx2": "KHR_texture_basisu", "image/vnd-ms.dds": "MSFT_texture_dds", "image/avif": "EXT_texture_avif"}
 
 
 def require_used(items, names, once=False):
@@ -53,8 +55,8 @@ class Glb:
         gltf.object(["asset", "nodes", "meshes", "scenes", "buffers", "bufferViews", "accessors", "materials"])
         gltf["asset"].require(gltf["asset"]["version"].value == "2.0" and gltf["asset"]["generator"].text().startswith("occlod"), "is not ours")
         used, needed = (sorted(item.text() for item in gltf[key].list()) if key in gltf else [] for key in ("extensionsUsed", "extensionsRequired"))
-        gltf.require(used == needed, "an extension is used and not required")
-        gltf.require(set(used) <= {MESHOPT, "KHR_mesh_quantization"}, "an extension is unknown")
+        gltf.require([name for name in used if name not in OPTIONAL] == needed, "an extension is used and not required")
+        gltf.require(len(used) == len(set(used)) and set(used) <= {MESHOPT, "KHR_mesh_quantization"} | OPTIONAL | set(IMAGES.values()), "an extension is unknown")
         self.is_compressed, self.is_quantised = MESHOPT in used, "KHR_mesh_quantization" in used
         self.buffers, self.views, self.accessors, self.materials = (gltf[key].list() for key in ("buffers", "bufferViews", "accessors", "materials"))
         nodes, meshes = gltf["nodes"].list(), gltf["meshes"].list()
@@ -80,39 +82,53 @@ class Glb:
         gltf = self.gltf
         images, textures, samplers = (gltf[key].list() if key in gltf else [] for key in ("images", "textures", "samplers"))
         for image in images:
-            uri = image.object(["uri"], [])["uri"]
+            uri = image.object(["uri"], ["mimeType"])["uri"]
+            image.require("mimeType" not in image or image["mimeType"].value in IMAGES, "has a type that needs no extension")
             try:
                 is_there = (self.folder / urllib.parse.unquote(uri.text())).is_file()
             except (OSError, ValueError):  # too long, or bytes that no path may have
                 is_there = False
             uri.require(is_there, f"{json_place.quoted(uri.value)} is not there")
         for sampler in samplers:
-            sampler.object(["wrapS", "wrapT"], [])
-            for key in sampler.value:
+            sampler.object(["wrapS", "wrapT"], ["minFilter", "magFilter"])
+            for key in ("wrapS", "wrapT"):
                 sampler[key].require(type(sampler[key].value) is int and sampler[key].value in WRAPS, "is no way to wrap")
         for texture in textures:
-            texture.object(["sampler", "source"], [])["sampler"].index_in(samplers, "a sampler")
-            texture["source"].index_in(images, "an image")
+            texture.object(["sampler"], ["source", "extensions"])["sampler"].index_in(samplers, "a sampler")
+            texture.require(("source" in texture) != ("extensions" in texture), "has no image, or two")
+            image = self.source_of(texture).index_in(images, "an image")
+            needed = [IMAGES[image["mimeType"].value]] if "mimeType" in image else []
+            texture.require(list(texture["extensions"].value if "extensions" in texture else []) == needed, "has not the extension of its image")
         for material in self.materials:
             self.check_material(material, textures)
-        require_used(images, (texture["source"] for texture in textures))
+        require_used(images, (self.source_of(texture) for texture in textures))
         require_used(samplers, (texture["sampler"] for texture in textures))
-        looks = [material["pbrMetallicRoughness"] for material in self.materials]
-        require_used(textures, (look["baseColorTexture"]["index"] for look in looks if "baseColorTexture" in look))
+        owners = [owner for material in self.materials for owner in (material, material["pbrMetallicRoughness"])]
+        require_used(textures, (owner[key]["index"] for owner in owners for key in owner.value if key.endswith("Texture")))
+
+    @staticmethod
+    def source_of(texture):
+        """The number of its image."""
+        return texture["source"] if "source" in texture else texture["extensions"][next(iter(texture["extensions"].value))]["source"]
 
     def check_material(self, material, textures):
-        material.object(["pbrMetallicRoughness", "doubleSided"], ["name", "alphaMode"])
+        maps = ["normalTexture", "occlusionTexture", "emissiveTexture"]
+        material.object(["pbrMetallicRoughness", "doubleSided"], ["name", "alphaMode", "alphaCutoff", "emissiveFactor", "extensions", *maps])
         material["doubleSided"].require(material["doubleSided"].value is True, "is not true")
         if "name" in material:
             material["name"].text()
-        look = material["pbrMetallicRoughness"].object(["baseColorFactor", "metallicFactor"], ["baseColorTexture"])
-        look["metallicFactor"].require(look["metallicFactor"].number() == 0, "is not 0")
+        look = material["pbrMetallicRoughness"].object(["baseColorFactor", "metallicFactor"], ["roughnessFactor", "baseColorTexture", "metallicRoughnessTexture"])
+        for key in ("metallicFactor", "roughnessFactor"):
+            look.require(key not in look or 0 <= look[key].number() <= 1, "has a factor outside [0, 1]")
         color = look["baseColorFactor"].numbers(4)
         look["baseColorFactor"].require(all(0 <= c <= 1 for c in color), "is no color")
         mode = material["alphaMode"].value if "alphaMode" in material else "OPAQUE"
-        material.require(mode == ("BLEND" if color[3] < 1 else "OPAQUE"), "blends and has no alpha below 1, or the other way")
-        if "baseColorTexture" in look:
-            look["baseColorTexture"].object(["index"], [])["index"].index_in(textures, "a texture")
+        material.require(mode in ("BLEND", "MASK") or (mode == "OPAQUE" and color[3] == 1), "is opaque and has an alpha below 1")
+        material.require("alphaCutoff" not in material or mode == "MASK", "cuts alpha that it does not mask")
+        for owner, keys in ((look, ("baseColorTexture", "metallicRoughnessTexture")), (material, maps)):
+            for key in keys:
+                if key in owner:
+                    owner[key].object(["index"], ["scale", "strength", "extensions"])["index"].index_in(textures, "a texture")
 
     def check_buffers(self):
         buffers = self.gltf["buffers"]

@@ -86,6 +86,7 @@ void give_attributes(TriangleMesh& repaired, const std::vector<VertexId>& source
   repaired.textures = soup.textures;
   repaired.texture_origin = soup.texture_origin;
   repaired.origin = soup.origin;
+  repaired.up = soup.up;
   if (soup.corners.empty() && soup.triangle_materials.empty())
     gather_all(soup, sources, repaired);
   else

@@ -132,6 +132,7 @@ class Assembler {
     data_.textures = input.textures;
     data_.texture_origin = input.texture_origin;
     data_.origin = input.origin;
+    data_.up = input.up;
   }
 
   template <typename Visit>

@@ -163,6 +163,7 @@ void PieceCollector::append(const TriangleMesh& piece) {
     raw_.textures = piece.textures;
     raw_.texture_origin = piece.texture_origin;
   }
+  raw_.up = piece.up;
   for (const Triangle& t : piece.wedge_triangles()) raw_.triangles.push_back(t + static_cast<VertexId>(first));
 }
 
@@ -207,6 +208,7 @@ class PieceCollector::Welder {
     result_.textures = std::move(raw_.textures);
     result_.texture_origin = raw_.texture_origin;
     result_.origin = raw_.origin;
+    result_.up = raw_.up;
   }
 
   WedgeMesh run(MeshReport& report) {

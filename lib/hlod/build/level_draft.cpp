@@ -32,6 +32,7 @@ WedgeMesh to_wedge_mesh(const TriangleMesh& mesh, unsigned threads) {
   result.textures = mesh.textures;
   result.texture_origin = mesh.texture_origin;
   result.origin = mesh.origin;
+  result.up = mesh.up;
   return result;
 }
 

@@ -79,6 +79,7 @@ struct WedgeMesh {
   std::vector<Texture> textures;
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
   glm::dvec3 origin{0.0};
+  UpAxis up = UpAxis::z;
 
   [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() - extra_wedges.size(); }
   [[nodiscard]] std::size_t wedge_count() const noexcept { return positions.size(); }

@@ -67,7 +67,8 @@ HlodView view_of(const HlodData& data) {
           data.textures,
           data.texture_origin,
           data.lattice_step,
-          data.origin};
+          data.origin,
+          data.up};
 }
 
 Hlod make_hlod(HlodData data) {
@@ -99,7 +100,8 @@ HlodData copy_data(const Hlod& hlod) {
           to_vector(view.textures),
           view.texture_origin,
           view.lattice_step,
-          view.origin};
+          view.origin,
+          view.up};
 }
 
 Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner, std::shared_ptr<NodeGuard> guard) {

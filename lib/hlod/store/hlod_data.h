@@ -38,6 +38,7 @@ struct HlodData {
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
   float lattice_step = 0.0F;
   glm::dvec3 origin{0.0};
+  UpAxis up = UpAxis::z;
 };
 
 [[nodiscard]] HlodView view_of(const HlodData& data);

@@ -102,7 +102,7 @@ Summary summary_of(const hlod::HlodView& view) {
 }  // namespace
 
 void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report,
-                 OlodCompression compression) {
+                 OlodCompression compression, const std::filesystem::path& image_folder) {
   hlod.require_all();
   const hlod::HlodView& view = hlod.data();
   const std::size_t nodes = view.nodes.size();
@@ -133,7 +133,7 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
       splits.add(splits_name, view.splits, nodes, [&](hlod::NodeId n) { return digest_of_splits(view, n); });
   }
   MaterialSections materials;
-  if (needs_wedges(view)) materials.add(view, writer);
+  if (needs_wedges(view) || view.up != UpAxis::z) materials.add(view, writer, {image_folder, folder_of(path)});
   FileKind kind = file_kind;
   kind.version = is_packed ? packed_version : needs_wedges(view) ? wedges_version : plain_version;
   if (writer.add_origin(view.origin)) kind.version = ohlod_version;
@@ -203,6 +203,7 @@ Tables read_tables(const std::shared_ptr<SectionReader>& reader) {
   view.materials = tables.owner->materials.materials;
   view.textures = tables.owner->materials.textures;
   view.texture_origin = tables.owner->materials.origin;
+  view.up = tables.owner->materials.up;
   tables.report = reader->read_report();
   if (reader->has(packed_meshes_name)) tables.compression = OlodCompression::zstd;
   return tables;

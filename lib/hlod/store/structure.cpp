@@ -115,7 +115,7 @@ class StructureCheck {
   [[nodiscard]] Problem check_materials() const {
     if (d_.has_materials && d_.materials.empty()) return "there are no materials, but vertices name some";
     for (std::size_t m = 0; m < d_.materials.size(); ++m)
-      if (const TextureId t = d_.materials[m].texture; t != no_texture && t >= d_.textures.size())
+      if (d_.materials[m].texture_beyond(d_.textures.size()) != no_texture)
         return fmt::format("material {} has a texture that is not there", m);
     return {};
   }

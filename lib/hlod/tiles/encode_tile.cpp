@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "mesh/glb.h"
+#include "mesh/image_files.h"
 #include "mesh/mesh_writers.h"
 #include "occlod/bounds.h"
 
@@ -140,9 +141,9 @@ class TileEncoder {
       add(primitive);
     }
     place();
-    if (lattice_) require_extension("KHR_mesh_quantization");
+    if (lattice_) document_.use_extension("KHR_mesh_quantization", true);
     if (is_compressed()) {
-      require_extension("EXT_meshopt_compression");
+      document_.use_extension("EXT_meshopt_compression", true);
       // This buffer is for clients without the extension. There are none, because the extension is required.
       document_.json()["buffers"][1] = {{"byteLength", fallback_bytes_},
                                         {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}};
@@ -153,11 +154,6 @@ class TileEncoder {
 
  private:
   [[nodiscard]] bool is_compressed() const { return format_.compression == Compression::meshopt; }
-
-  void require_extension(const char* name) {
-    document_.json()["extensionsUsed"].push_back(name);
-    document_.json()["extensionsRequired"].push_back(name);
-  }
 
   void place() {
     const glm::dvec3 translation = lattice_ ? y_up(lattice_->origin()) : y_up(origin_);
@@ -179,28 +175,31 @@ class TileEncoder {
 
   [[nodiscard]] bool needs_texture_coordinates(const GlbPrimitive& primitive) const {
     if (mesh_.texture_coordinates.empty()) return false;
-    return look_.materials.empty() || image_of(look_.materials[primitive.material]) != nullptr;
+    if (look_.materials.empty()) return true;
+    return std::ranges::any_of(look_.materials[primitive.material].textures(),
+                               [this](TextureId id) { return id != no_texture && has_image(id); });
   }
 
-  // Returns null for a material without an image.
-  [[nodiscard]] const std::string* image_of(const Material& material) const {
-    if (material.texture == no_texture || look_.images[material.texture].empty()) return nullptr;
-    return &look_.images[material.texture];
-  }
+  [[nodiscard]] bool has_image(TextureId id) const { return !look_.images[id].empty(); }
 
   std::size_t add_material(MaterialId id) {
     Material material = look_.materials.empty() ? Material() : look_.materials[id];
-    const std::string* const image = image_of(material);
-    material.texture = image != nullptr ? add_texture(material.texture, *image) : no_texture;
+    change_textures(material, [&](TextureId id) {
+      return has_image(id) && !mesh_.texture_coordinates.empty() ? add_texture(id) : no_texture;
+    });
     document_.add_material(material);
     Json& materials = document_.json()["materials"];
     materials.back()["doubleSided"] = true;
     return materials.size() - 1;
   }
 
-  TextureId add_texture(TextureId id, const std::string& image) {
+  TextureId add_texture(TextureId id) {
     const auto [known, is_new] = textures_.try_emplace(id, static_cast<TextureId>(textures_.size()));
-    if (is_new) document_.add_texture(look_.textures[id], {{"uri", uri_of(image)}});
+    if (!is_new) return known->second;
+    const std::string type = image_type({}, look_.images[id]);
+    Json image = {{"uri", uri_of(look_.images[id])}};
+    if (!gltf_image_extension(type).value_or("").empty()) image["mimeType"] = type;
+    document_.add_texture(look_.textures[id], document_.add_image(std::move(image)), type);
     return known->second;
   }
 

@@ -19,10 +19,11 @@
 #include "base/atomic_file.h"
 #include "base/file_input.h"
 #include "base/option_checker.h"
+#include "base/strict_json.h"
 #include "hlod/tiles/encode_tile.h"
 #include "hlod/tiles/tile_mesh.h"
 #include "hlod/tiles/tile_tree.h"
-#include "mesh/mesh_writers.h"
+#include "mesh/image_files.h"
 #include "occlod/base.h"
 #include "occlod/hlod.h"
 #include "occlod/tiles.h"
@@ -34,29 +35,19 @@ constexpr double crease_deg = 60.0;  // for HLODs without normals
 
 namespace fs = std::filesystem;
 
-// Returns nothing when the image cannot be read.
-std::optional<std::string> bytes_of(const Texture& texture, const fs::path& folder) {
-  if (!texture.bytes.empty()) return std::string(texture.bytes.begin(), texture.bytes.end());
-  std::error_code error;
-  const fs::path file = folder / texture.file;
-  if (!fs::is_regular_file(file, error)) return std::nullopt;
-  std::ifstream stream(file, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (stream.bad() || bytes.empty()) return std::nullopt;
-  return bytes;
-}
-
-// Returns the extension that the first bytes imply, whatever the file's name; empty for formats that glTF lacks.
-std::string extension_of(const std::string& bytes) {
-  Texture texture;
-  texture.bytes.assign(bytes.begin(),
-                       bytes.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(bytes.size(), 16)));
-  const std::string type = mime_type_of(texture);
-  return type == "image/png" ? ".png" : type == "image/jpeg" ? ".jpg" : "";
+// Reads an image by its name, or by its name without the first folders: that leads from the file of the HLOD, while the
+// folder may be that of the mesh or scene.
+std::optional<std::vector<std::uint8_t>> find_image(Texture texture, const fs::path& folder) {
+  for (;;) {
+    if (auto bytes = read_image(texture, folder)) return bytes;
+    const std::size_t slash = texture.file.find_first_of("/\\");
+    if (slash == std::string::npos) return std::nullopt;
+    texture.file.erase(0, slash + 1);
+  }
 }
 
 // Writes each image once, in the folder textures/, for all contents to share. Leaves out images that are missing or
-// neither PNG nor JPEG, the only formats of glTF, and names them in `left_out`. File names are relative to
+// in a format that glTF lacks, whatever their names, and names them in `left_out`. File names are relative to
 // `image_folder`. O(bytes).
 [[nodiscard]] TileLook write_images(AtomicFolder& folder, const hlod::HlodView& hlod, const fs::path& image_folder,
                                     std::vector<std::string>& left_out) {
@@ -70,13 +61,13 @@ std::string extension_of(const std::string& bytes) {
       continue;
     }
     const std::size_t number = look.images.size() - 1;
-    const std::optional<std::string> bytes = bytes_of(texture, image_folder);
-    const std::string extension = bytes ? extension_of(*bytes) : "";
-    if (extension.empty()) {
+    const auto bytes = find_image(texture, image_folder);
+    const std::string type = bytes ? image_type(*bytes) : "";
+    if (!gltf_image_extension(type)) {
       left_out.push_back(is_file ? texture.file : fmt::format("image {}", number));
     } else {
-      const std::string name = fmt::format("textures/{}{}", number, extension);
-      folder.write(name, *bytes);
+      const std::string name = fmt::format("textures/{}{}", number, image_extension(type));
+      folder.write(name, std::string(bytes->begin(), bytes->end()));
       uri = "../../" + name;
     }
     if (is_file) written[texture.file] = uri;
@@ -231,11 +222,11 @@ void check(const hlod::Hlod& hlod) {
 }
 
 // Returns the transform of the root, from positions of the HLOD to the tileset.
-std::optional<glm::dmat4> transform_of(const TilesetOptions& options, const glm::dvec3& origin) {
-  if (!options.origin && options.up == UpAxis::z && origin == glm::dvec3(0.0)) return std::nullopt;
+std::optional<glm::dmat4> transform_of(const TilesetOptions& options, UpAxis up, const glm::dvec3& origin) {
+  if (!options.origin && up == UpAxis::z && origin == glm::dvec3(0.0)) return std::nullopt;
   glm::dmat4 transform(1.0);
   if (options.origin) transform = east_north_up(*options.origin);
-  if (options.up == UpAxis::y) transform = {transform[0], transform[2], -transform[1], transform[3]};
+  if (up == UpAxis::y) transform = {transform[0], transform[2], -transform[1], transform[3]};
   return positions_to_world(transform, origin);
 }
 
@@ -264,7 +255,8 @@ class TilesetWriter {
       write_tile(n);
     }
     tree_.complete(TileError::guaranteed, tiles_per_file_);
-    counts_.tileset_files = write_tileset_json(folder_, tree_, transform_of(options_, hlod_.data().origin), images());
+    counts_.tileset_files = write_tileset_json(
+        folder_, tree_, transform_of(options_, options_.up.value_or(hlod_.data().up), hlod_.data().origin), images());
     counts_.bytes = folder_.bytes();
     check_tileset_output(path_, options_.replace);  // again: what came meanwhile is not removed
     folder_.commit();

@@ -124,8 +124,11 @@ struct OlodFile {
 
 // Writes beside `path` and renames, so that an existing file stays as it was when writing fails. The same arguments
 // give the same bytes. Throws Error that names the file. O(bytes).
+//
+// `image_folder` is what names of image files are relative to. Where it is given, the names of those that are there are
+// written so that they lead to them from the folder of `path`; all others stay as they are.
 void write_olod(const std::filesystem::path& path, const Hierarchy& hierarchy, const MeshReport& report,
-                OlodCompression compression = OlodCompression::none);
+                OlodCompression compression = OlodCompression::none, const std::filesystem::path& image_folder = {});
 
 // Reads a file and checks magic, version, sizes, the table of sections and the base mesh. The rest is checked (checksum
 // and structure) block by block when Hierarchy::require() is first called for a split of the block; require_all()

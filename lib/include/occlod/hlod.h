@@ -156,6 +156,7 @@ struct HlodView {
   TextureOrigin texture_origin = TextureOrigin::bottom_left;  // of texture coordinates
   float lattice_step = 0.0F;  // all coordinates are multiples of it, HlodBuildOptions::quantise_bits; 0: as the input's
   glm::dvec3 origin{0.0};     // coordinates are origin + position, see TriangleMesh::origin and positions_to_world()
+  UpAxis up = UpAxis::z;      // of the input
 };
 
 inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes, and of its splits

@@ -1,6 +1,7 @@
 // Indexed triangle meshes: what readers and generators make and what hierarchies are built from. clean() prepares them.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/mat4x4.hpp>
@@ -28,6 +29,9 @@ enum class TextureOrigin : std::uint8_t {
   top_left      // glTF: v grows downwards
 };
 
+// The axis that points up, as far as the format of a file says: y in glTF, z in the others, which do not say.
+enum class UpAxis : std::uint8_t { z, y };
+
 // How a texture continues beyond [0, 1].
 enum class TextureWrap : std::uint8_t { repeat, clamp, mirror };
 
@@ -38,15 +42,67 @@ struct Texture {
   std::vector<std::uint8_t> bytes;           // the encoded image when the mesh file holds it; else empty
   TextureWrap wrap_s = TextureWrap::repeat;  // along the first coordinate
   TextureWrap wrap_t = TextureWrap::repeat;  // along the second coordinate
+  std::uint16_t min_filter = 0;              // how glTF names it for an image that is small on screen, such as 9987 for
+                                             // trilinear; 0: the program that draws chooses
+  std::uint16_t mag_filter = 0;              // likewise for a large one
   // True when all fields are equal.
   [[nodiscard]] bool operator==(const Texture&) const = default;
 };
 
-// The look of a surface, as far as a base colour describes it.
+// How the alpha of a base colour and its texture counts.
+enum class AlphaMode : std::uint8_t {
+  by_color,  // blends if the alpha of Material::base_color is below 1; else alpha is ignored
+  mask,      // shows what has at least Surface::alpha_cutoff, and nothing of the rest
+  blend      // shows what is behind, as far as alpha is below 1
+};
+
+// An image beside that of the base colour, which is looked up with the mesh's texture coordinates.
+struct TextureMap {
+  TextureId texture = no_texture;  // indexes the mesh's textures
+  float strength = 1.0F;           // of normals, where glTF calls it scale, and of occlusion
+  // The place in the image, v growing downwards: rotation * (scale * (u, v)) + offset, as in KHR_texture_transform.
+  glm::vec2 offset = {0.0F, 0.0F};
+  float rotation = 0.0F;           // radians, counter-clockwise
+  glm::vec2 scale = {1.0F, 1.0F};  // see offset
+  // True when all fields are equal.
+  [[nodiscard]] bool operator==(const TextureMap&) const = default;
+};
+
+// The look of a surface beyond its base colour, as glTF 2.0 describes it. It is stored and passed on; pictures do not
+// show it.
+struct Surface {
+  AlphaMode alpha_mode = AlphaMode::by_color;  // of the base colour and its texture
+  float alpha_cutoff = 0.5F;                   // with AlphaMode::mask
+  bool double_sided = false;                   // whether its back shows
+  bool unlit = false;                          // shows the base colour whatever the light is: KHR_materials_unlit
+  float metallic = 0.0F;                       // in [0, 1]; multiplies the blue of its map
+  float roughness = 1.0F;                      // in [0, 1]; multiplies the green of its map
+  glm::vec3 emissive{0.0F};                    // linear light, in [0, 1]; multiplies its map
+  TextureMap metallic_map;                     // of `metallic` and `roughness`
+  TextureMap normal_map;                       // in tangent space
+  TextureMap occlusion_map;                    // of ambient light
+  TextureMap emissive_map;                     // of `emissive`
+  // True when all fields are equal.
+  [[nodiscard]] bool operator==(const Surface&) const = default;
+};
+
+// The look of a surface.
 struct Material {
   std::string name;                                 // as in the file; may be empty
   glm::vec4 base_color = {1.0F, 1.0F, 1.0F, 1.0F};  // linear light and alpha, in [0, 1]; multiplies the texture
   TextureId texture = no_texture;                   // the texture of the base colour: indexes the mesh's textures
+  Surface surface = {};                             // what glTF knows beside the base colour
+  // Returns the texture of the base colour and those of the maps; no_texture for each that is not there.
+  [[nodiscard]] std::array<TextureId, 5> textures() const noexcept {
+    return {texture, surface.metallic_map.texture, surface.normal_map.texture, surface.occlusion_map.texture,
+            surface.emissive_map.texture};
+  }
+  // Returns the first of these that is not among `count` textures; no_texture: all are.
+  [[nodiscard]] TextureId texture_beyond(std::size_t count) const noexcept {
+    for (const TextureId id : textures())
+      if (id != no_texture && id >= count) return id;
+    return no_texture;
+  }
   // True when all fields are equal.
   [[nodiscard]] bool operator==(const Material&) const = default;
 };
@@ -74,6 +130,7 @@ struct TriangleMesh {
   // What positions are relative to: coordinates are origin + position. Not 0 where coordinates have more digits than
   // floats, such as those of maps: readers then choose a place near the middle of the mesh.
   glm::dvec3 origin{0.0};
+  UpAxis up = UpAxis::z;                                      // of the file or scene that it comes from
 
   // Returns the number of vertices; extra wedges do not count.
   [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() - extra_wedges.size(); }

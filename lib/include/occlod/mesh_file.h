@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "occlod/generate.h"
 #include "occlod/mesh.h"
@@ -26,11 +28,18 @@ namespace occlod {
 // format supports is written: in OBJ normals, texture coordinates, materials (in a file PATH.mtl beside it) and colours
 // without alpha; in PLY normals, colours, texture coordinates and names of textures; in GLB everything, with triangles
 // sorted by material. Reading restores the wedges. When the format has another texture origin than the mesh, v is
-// written as 1 - v. Names of textures are written as the mesh has them, relative to its own file; images that the mesh
-// holds stay inside GLB and become files beside OBJ and PLY. With an origin coordinates are doubles in PLY, have all
-// their digits in OBJ and OFF, and GLB has a node at the origin; STL holds floats only, so its coordinates stay
-// relative to the origin, which its header names. Throws Error that names the file. O(n).
-void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
+// written as 1 - v. With an origin coordinates are doubles in PLY, have all their digits in OBJ and OFF, and GLB has a
+// node at the origin; STL holds floats only, so its coordinates stay relative to the origin, which its header names.
+// Throws Error that names the file. O(n).
+//
+// Names of images are relative to `image_folder`, or to the folder of `path`. GLB holds the images, those of files too;
+// beside OBJ and PLY those that the mesh holds become files, and names of others lead to where they are. Returns a line
+// for each image that is not there, whose name is written as it is, and for each that glTF lacks, such as TGA, which is
+// left out of a GLB file.
+std::vector<std::string> write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
+// Writes it with the images of a folder.
+std::vector<std::string> write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh,
+                                    const std::filesystem::path& image_folder);
 
 // Passes a mesh without attributes to `visit` in parts, the same parts at each call.
 using MeshParts = std::function<void(const PartVisitor& visit)>;

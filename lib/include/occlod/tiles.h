@@ -19,9 +19,6 @@ enum class Compression {
   meshopt,  // EXT_meshopt_compression; needs a build with meshoptimizer
 };
 
-// Which axis of the HLOD points up. Tilesets have z.
-enum class UpAxis { z, y };
-
 // A place on or above the WGS84 ellipsoid.
 struct GeodeticOrigin {
   double longitude_deg = 0.0;  // in [-180, 180], east of Greenwich
@@ -40,9 +37,11 @@ struct TilesetOptions {
   // Where the edge of a tile is none of the input, a strip hangs from it against the normals, as deep as the parent's
   // Node::error: it covers gaps between tiles of different levels.
   bool skirts = false;
-  UpAxis up = UpAxis::z;                 // of the HLOD
+  std::optional<UpAxis> up;              // of the HLOD; tilesets have z. Nothing: HlodView::up
   std::optional<GeodeticOrigin> origin;  // where the HLOD's origin is, x to the east; nothing: no place on Earth
-  std::filesystem::path image_folder;    // what names of image files are relative to: the folder of the scene or mesh
+  // Where image files are: names are relative to it, with or without their first folders. That of the .ohlod file, as
+  // write_ohlod() wrote their names, or that of the scene or mesh.
+  std::filesystem::path image_folder;
   bool replace = false;                  // a tileset in the folder, if nothing else is there
   // Called now and then with the share done, in [0, 1]. What it throws ends the writing, and leaves the folder as it
   // was.
@@ -57,8 +56,8 @@ struct TilesetCounts {
   std::uint64_t skirt_triangles = 0;  // of all contents
   std::uint64_t content_bytes = 0;    // of all contents
   std::uint64_t bytes = 0;            // of all files
-  // Of textures: files that are not there, and images that are neither PNG nor JPEG. Their materials have a colour
-  // only.
+  // Of textures: files that are not there, and images in a format that glTF lacks, with all its extensions. Materials
+  // are written without them.
   std::vector<std::string> images_left_out;
 };
 
