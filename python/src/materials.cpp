@@ -27,6 +27,11 @@ Material make_material(const std::string& name, const Channels& base_color, std:
   return {name, {r, g, b, a}, texture.value_or(no_texture)};
 }
 
+// Bytes that are not UTF-8 are escaped.
+nb::str file_name(const std::string& bytes) {
+  return nb::steal<nb::str>(PyUnicode_DecodeFSDefaultAndSize(bytes.data(), static_cast<Py_ssize_t>(bytes.size())));
+}
+
 template <typename Value>
 void bind_comparison(nb::class_<Value>& type) {
   type.def(
@@ -58,7 +63,10 @@ void bind_materials(nb::module_& m) {
              TextureWrap wrap_t) { new (self) Texture(make_texture(file, mime_type, bytes, wrap_s, wrap_t)); },
           "file"_a = "", nb::kw_only(), "mime_type"_a = "", "bytes"_a = nb::bytes("", 0),
           "wrap_s"_a = TextureWrap::repeat, "wrap_t"_a = TextureWrap::repeat)
-      .def_ro("file", &Texture::file, "As the mesh file names it, relative to that file; empty when embedded.")
+      .def_prop_ro(
+          "file", [](const Texture& t) { return file_name(t.file); },
+          "As the mesh file names it, relative to that file; empty when embedded. Bytes that are not UTF-8 are\n"
+          "escaped as by os.fsdecode().")
       .def_ro("mime_type", &Texture::mime_type, "Of `bytes`, such as image/png; empty without.")
       .def_prop_ro(
           "bytes", [](const Texture& t) { return nb::bytes(t.bytes.data(), t.bytes.size()); },
@@ -66,8 +74,9 @@ void bind_materials(nb::module_& m) {
       .def_ro("wrap_s", &Texture::wrap_s, "Along the first coordinate.")
       .def_ro("wrap_t", &Texture::wrap_t, "Along the second coordinate.")
       .def("__repr__", [](const Texture& t) {
-        return "<occlod.Texture " +
-               (t.bytes.empty() ? "\"" + t.file + "\"" : "of " + std::to_string(t.bytes.size()) + " bytes") + ">";
+        return file_name("<occlod.Texture " +
+                         (t.bytes.empty() ? "\"" + t.file + "\"" : "of " + std::to_string(t.bytes.size()) + " bytes") +
+                         ">");
       });
   bind_comparison(texture);
 
