@@ -1,5 +1,6 @@
 """Meshes: arrays in and out, files, reports, errors."""
 import gc
+import os
 import pathlib
 import pickle
 import tempfile
@@ -236,6 +237,15 @@ class Files(unittest.TestCase):
             path.write_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\nl 2 3\nname\xdf 1\n")
             report = occlod.read_mesh_and_report(str(path))[1]
         self.assertEqual(report.left_out, {"keyword name\ufffd": 1, "lines (l)": 2})
+
+    def test_names_of_textures_may_have_any_bytes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, "a.mtl").write_bytes(b"newmtl m\nmap_Kd Stra\xdfe.png\n")
+            path = pathlib.Path(folder, "a.obj")
+            path.write_bytes(b"mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+            texture = occlod.read_mesh(str(path)).textures[0]
+        self.assertEqual(os.fsencode(texture.file), b"Stra\xdfe.png")
+        self.assertIn("occlod.Texture", repr(texture))
 
     def test_progress_ends_with_all(self):
         told = []
