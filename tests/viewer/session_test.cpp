@@ -1,5 +1,6 @@
 #include "session.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include "occlod/auto_refiner.h"
 #include "occlod/base.h"
 #include "occlod/build_hierarchy.h"
+#include "occlod/scene.h"
 #include "occlod/visibility.h"
 #include "palette.h"
 #include "view_cells.h"
@@ -407,6 +409,41 @@ TEST_F(SessionTest, NumbersAreExported) {
   while (std::getline(file, line)) last = line;
   EXPECT_EQ(std::count(names.begin(), names.end(), ','), std::count(last.begin(), last.end(), ','));
   EXPECT_NE(last.find(",2000,"), std::string::npos);
+}
+
+TEST(SessionOnAMap, PicksAndSavesInWorldCoordinates) {
+  // A square of 2 m, on a map where floats are 0.5 m apart.
+  const test::Folder folder;
+  const glm::dvec3 corner(691607.37, 5334760.81, 519.93);
+  std::string text;
+  for (const glm::dvec3& p : {glm::dvec3(0, 0, 0), glm::dvec3(2, 0, 0), glm::dvec3(2, 2, 0), glm::dvec3(0, 2, 0)})
+    text += fmt::format("v {} {} {}\n", corner.x + p.x, corner.y + p.y, corner.z + p.z);
+  std::ofstream(folder.path("map.obj")) << text << "f 1 2 3 4\n";
+  const auto camera = [&](double x) -> json {
+    return {{"eye", {corner.x + x, corner.y + 1.3, corner.z + 4.0}},
+            {"target", {corner.x + x, corner.y + 1.3, corner.z}},
+            {"up", {0, 1, 0}},
+            {"near", 0.1},
+            {"far", 100},
+            {"width", 100},
+            {"height", 100}};
+  };
+  const auto scene = folder.write("map.json", {{"objects", {{{"mesh", "map.obj"}, {"position", {0.25, 0, 0}}}}},
+                                               {"cameras", {{"default", camera(0.7)}}}});
+  for (const char* as : {"hierarchy", "hlod"}) {
+    Session session{test::make_portable_visibility, false};
+    act(session, {{"do", "set"}, {"setting", "open_as"}, {"value", as}});
+    act(session, {{"do", "open"}, {"file", scene.string()}});
+    ASSERT_EQ(session.state().objects->size(), 1U) << as;
+    act(session, {{"do", "pick"}, {"x", 0.5}, {"y", 0.5}});
+    ASSERT_TRUE(session.state().pick) << as;
+    EXPECT_LT(glm::distance(session.state().pick->point, corner + glm::dvec3(0.7, 1.3, 0.0)), 1e-4) << as;
+    const auto saved = folder.path("saved.json");
+    act(session, {{"do", "save_scene"}, {"file", saved.string()}});
+    EXPECT_LT(glm::distance(glm::dvec3(read_scene(saved).objects[0].object_to_world[3]), glm::dvec3(0.25, 0.0, 0.0)),
+              1e-8)
+        << as;
+  }
 }
 
 }  // namespace

@@ -5,7 +5,9 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 
@@ -88,10 +90,13 @@ void draw_row(const char* name, const std::string& value, float column) {
 }
 
 bool draw_vector(const char* label, glm::dvec3& value, double speed) {
+  // What is dragged is rounded to what is shown: far from 0 that takes more digits than three.
+  const double largest = std::max({std::abs(value.x), std::abs(value.y), std::abs(value.z), speed});
+  const int digits = std::clamp(static_cast<int>(std::ceil(std::log10(largest / speed))), 3, 15);
   draw_label(label);
   ImGui::PushID(label);
   const bool changed = ImGui::DragScalarN("##value", ImGuiDataType_Double, &value.x, 3, static_cast<float>(speed),
-                                          nullptr, nullptr, "%.3g");
+                                          nullptr, nullptr, fmt::format("%.{}g", digits).c_str());
   ImGui::PopID();
   return changed;
 }

@@ -20,7 +20,7 @@ namespace occlod::hlod {
 // One HLOD at one place.
 struct PlacedHlod {
   const Hlod* hlod = nullptr;       // not null
-  glm::dmat4 object_to_world{1.0};  // affine, invertible
+  glm::dmat4 object_to_world{1.0};  // of its positions, see positions_to_world(); affine, invertible
   bool two_sided = false;           // back faces are visible too
 };
 

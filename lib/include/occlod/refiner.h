@@ -231,7 +231,7 @@ void group_by_material(const Hierarchy& hierarchy, std::span<const Triangle> tri
 // its front, also under a mirroring transform.
 struct RefineObject {
   const Hierarchy* hierarchy = nullptr;  // outlives the Refiner
-  glm::dmat4 object_to_world{1.0};       // affine, invertible
+  glm::dmat4 object_to_world{1.0};       // of its positions, see positions_to_world(); affine, invertible
   bool two_sided = false;                // back faces are visible too: no back-face culling
   bool attributes = true;  // how far texture coordinates, normals and colours slip counts as an error too: see
                            // Hierarchy::attribute_error()
