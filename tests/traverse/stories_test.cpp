@@ -204,10 +204,7 @@ TEST(TwoParents, OneThatIsRefinedLateHasBeenSeenToo) {
     frames.log_of_next(options);
     for (int frame = 1; frame < 4; ++frame)
       EXPECT_EQ(frames.log_of_next(options),
-                strategy == TrialStrategy::boolean
-                    ? "ask 3, draw 3, get 3, ask 4, draw 4 for 1, get 4, draw 4 for 2, ask 5, get 5"
-                    // Its children's mean bias is 1/2, and 4.9 px would do: asked, to see whether the front moves up.
-                    : "ask 3, draw 3, get 3, ask 4, draw 4 for 1, get 4, ask 2, get 2, draw 4 for 2, ask 5, get 5");
+                "ask 3, draw 3, get 3, ask 4, draw 4 for 1, get 4, draw 4 for 2, ask 5, get 5");
   }
 }
 

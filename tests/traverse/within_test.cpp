@@ -179,7 +179,7 @@ TEST(TraverseWithin, EveryStrategyKeepsTheToleranceAndDrawsTheSame) {
 TEST(TraverseWithin, WithoutABiasNothingIsCoarseWhateverIsHidden) {
   const Hlod& hlod = refinable();
   const PlacedHlod placed{&hlod};
-  for (const TrialStrategy strategy : {TrialStrategy::coh, TrialStrategy::batch, TrialStrategy::nohc})
+  for (const TrialStrategy strategy : {TrialStrategy::coh, TrialStrategy::simp, TrialStrategy::boolean})
     for (const bool within : {true, false})
       for (const double hidden : {0.0, 0.1, 0.5}) {
         SoftwareDevice real;

@@ -67,7 +67,7 @@ TEST_F(OutputFiles, NeverAFileThatAMeshNames) {
   std::ofstream(library) << "newmtl m\nmap_Kd skin.png\n";
   std::ofstream(image) << "an image";
   act(session_, {{"do", "open"}, {"file", mesh.string()}});
-  ASSERT_EQ(session_.state().objects->size(), 1U);
+  ASSERT_EQ(session_.state().objects->size(), 2U);
   for (const char* command : {"export_csv", "screenshot"}) {
     expect_refused({{"do", command}, {"file", library.string()}}, library, "is a material library of ");
     expect_refused({{"do", command}, {"file", image.string()}}, image, "is an image of ");
