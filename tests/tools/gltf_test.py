@@ -323,7 +323,7 @@ class Looks(GltfCase):
         self.assertFalse({"images", "textures"} & set(self.tile().json))
 
 
-class Names(GltfCase):
+class GltfNames(GltfCase):
     """What is not carried is counted by its name, or refused where the file requires it."""
 
     # Extensions of the Khronos registry and where they may be; those that are carried are tested above.
