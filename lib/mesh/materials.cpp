@@ -160,7 +160,7 @@ class MtlParser {
       words.take();
       for (int i = 1; i < option->words && is_number(words.front()); ++i) words.take();
     }
-    texture.file = with_slashes(without_quotes(words.rest()));
+    texture.file = without_quotes(words.rest());
     material.texture = std::move(texture);
     material.placement = placement;
   }
@@ -207,12 +207,6 @@ class MtlParser {
 
 std::vector<MtlMaterial> parse_mtl(std::string_view text, const FileErrors& errors) {
   return MtlParser(text, errors).parse();
-}
-
-std::string with_slashes(std::string_view name) {
-  std::string result(name);
-  std::ranges::replace(result, '\\', '/');
-  return result;
 }
 
 }  // namespace occlod

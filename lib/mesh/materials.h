@@ -49,7 +49,7 @@ void change_textures(Material& material, const Change& change) {
 // The contents of a newmtl block, as far as Material has fields for them.
 struct MtlMaterial {
   Material material;            // without its texture
-  Texture texture;              // its file is empty when the material has no texture
+  Texture texture;              // its file as the text names it; empty when the material has no texture
   MapPlacement placement = {};  // how the texture is placed
   LeftOut left_out = {};        // keywords and options that were not read
 };
@@ -58,9 +58,6 @@ struct MtlMaterial {
 // else is counted by its keyword. `text` is UTF-8, or has names in another encoding whose bytes are kept. Throws Error
 // for numbers that cannot be read and for values before the first newmtl. O(n).
 [[nodiscard]] std::vector<MtlMaterial> parse_mtl(std::string_view text, const FileErrors& errors);
-
-// Returns a file name from a text with slashes instead of the backslashes of Windows.
-[[nodiscard]] std::string with_slashes(std::string_view name);
 
 // Ids have 16 bits, and the last one means "no texture".
 inline constexpr std::size_t max_materials = no_texture;

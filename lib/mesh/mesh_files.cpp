@@ -166,7 +166,8 @@ void add_named_files(std::string_view lines, const fs::path& folder, std::vector
     line = line.substr(0, line.find_last_not_of(blanks) + 1);
     while (!line.empty()) {
       line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
-      if (fs::path file = folder / with_slashes(without_quotes(line)); is_file(file)) files.push_back(std::move(file));
+      if (fs::path file = folder / name_in(folder, without_quotes(line)); is_file(file))
+        files.push_back(std::move(file));
       line.remove_prefix(std::min(line.find_first_of(blanks), line.size()));
     }
   }
@@ -214,13 +215,19 @@ std::vector<fs::path> images_of(const fs::path& mesh) {
   return images;
 }
 
+std::string name_in(const fs::path& folder, std::string_view name) {
+  std::string result(name);
+  if (name.find('\\') != std::string_view::npos && !is_file(folder / result)) std::ranges::replace(result, '\\', '/');
+  return result;
+}
+
 std::vector<std::string> library_names(std::string_view line, const fs::path& folder) {
-  std::string whole = with_slashes(without_quotes(line));
+  std::string whole = name_in(folder, without_quotes(line));
   if (is_file(folder / whole)) return {std::move(whole)};
   std::vector<std::string> names;
   for (std::size_t begin = 0; begin < line.size();) {
     const std::size_t end = std::min(line.find_first_of(" \t", begin), line.size());
-    std::string name = with_slashes(without_quotes(line.substr(begin, end - begin)));
+    std::string name = name_in(folder, without_quotes(line.substr(begin, end - begin)));
     if (!name.empty() && is_file(folder / name)) names.push_back(std::move(name));
     begin = end + 1;
   }

@@ -36,7 +36,12 @@ enum class MeshFormat { ply, obj, off, stl, gltf };
 // damaged file or another format. Throws Error for a file that cannot be read. O(size).
 [[nodiscard]] std::vector<std::filesystem::path> images_of(const std::filesystem::path& mesh);
 
-// Returns the names on a mtllib line, with slashes, of files that exist in the folder: the whole line as one name, or
+// Returns a name of a file as it is where the folder has that file, or with slashes instead of the backslashes of
+// Windows. A backslash may also be the second byte of a Chinese or Japanese character, or stand in the name of a file
+// that was unpacked as one.
+[[nodiscard]] std::string name_in(const std::filesystem::path& folder, std::string_view name);
+
+// Returns the names on a mtllib line of files that exist in the folder: the whole line as one name, or
 // word by word.
 [[nodiscard]] std::vector<std::string> library_names(std::string_view line, const std::filesystem::path& folder);
 

@@ -162,7 +162,7 @@ void ObjMaterials::read_library(const fs::path& path, const fs::path& folder) {
     material.name = used->name;  // which is UTF-8
     *used = std::move(material);
     if (texture.file.empty()) continue;
-    texture.file = (folder / texture.file).generic_string();
+    texture.file = (folder / name_in(path.parent_path(), texture.file)).generic_string();
     used->texture = table_.texture(std::move(texture));
     placements_[id] = placement;
   }

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <type_traits>
 #include <utility>
 
 #include "base/text.h"
 #include "mesh/materials.h"
+#include "mesh/mesh_files.h"
 #include "mesh/ply_file.h"
 #include "mesh/polygon_soup.h"
 #include "mesh/vertex_colors.h"
@@ -160,7 +162,7 @@ class BodyParser {
       errors_.fail("header", "has more than 65534 comments TextureFile", "split the mesh into parts");
     for (const std::string& name : header.texture_files) {
       Texture& texture = soup_.textures.emplace_back();
-      texture.file = with_slashes(name);
+      texture.file = name_in(std::filesystem::path(errors_.subject()).parent_path(), name);
       soup_.materials.emplace_back().texture = static_cast<TextureId>(soup_.textures.size() - 1);
     }
   }

@@ -25,7 +25,6 @@ void read(std::string_view bytes) {
     for (int k = 0; k < 4; ++k) expect(read.material.base_color[k] >= 0.0F && read.material.base_color[k] <= 1.0F);
     expect(read.material.texture == no_texture);
     expect(read.material.name.find('\n') == std::string::npos && read.texture.file.find('\n') == std::string::npos);
-    expect(read.texture.file.find('\\') == std::string::npos);
     for (int k = 0; k < 2; ++k)
       expect(std::isfinite(read.placement.scale[k]) && std::isfinite(read.placement.offset[k]));
   }

@@ -1,6 +1,7 @@
 // Materials of OBJ files: usemtl and mtllib.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "io/mesh_files.h"
@@ -121,6 +122,18 @@ TEST_F(ReadMtl, NamesMayBeLatin1) {
     EXPECT_EQ(read_mesh(folder_.path() / "b.obj").mesh.textures.at(0).file,
               "Stra\xdf"
               "e.png");
+  }
+}
+
+// In GBK the second byte of a character may be a backslash: the file that has the name tells.
+TEST_F(ReadMtl, BackslashesStayWhereAFileHasThem) {
+  for (const char* const name : {"\xb1\\.png", "maps\\a.png"}) {
+    const std::string library = std::string("newmtl m\nmap_Kd ") + name + "\n";
+    std::string with_slash = name;
+    std::ranges::replace(with_slash, '\\', '/');
+    EXPECT_EQ(with_library(library).mesh.textures.at(0).file, with_slash);
+    static_cast<void>(folder_.write(name, "image"));
+    EXPECT_EQ(with_library(library).mesh.textures.at(0).file, name);
   }
 }
 
