@@ -381,7 +381,7 @@ class SceneStreamer {
   void add(const TriangleMesh& piece, std::size_t object, MaterialId first) {
     TriangleMesh placed;
     if (!piece.texture_coordinates.empty() && !origin_) origin_ = piece.texture_origin;
-    placed.texture_origin = origin_.value_or(TextureOrigin::bottom_left);
+    placed.texture_origin = origin_.value_or(piece.texture_origin);
     append_placed(placed, piece, place_of(object, piece), whole_);
     const UpAxis up = placed_up(piece.up, scene_.objects[object].object_to_world);
     up_ = !up_ || *up_ == up ? up : UpAxis::z;

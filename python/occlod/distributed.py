@@ -210,6 +210,8 @@ def build_cells(
     scene, path = str(pathlib.Path(scene).resolve()), pathlib.Path(path)
     folder = pathlib.Path(parts) if parts is not None else path.with_name(path.name + ".parts")
     folder = folder.resolve()
+    if path.exists() and os.path.samefile(path, scene):
+        raise Error(str(path), "", "is the scene, which would be overwritten", "name another file")
     build = CellBuild(Scene.describe(scene).load(), options)
     folder.mkdir(parents=True, exist_ok=True)
     files = _Parts(build, folder)

@@ -1,10 +1,13 @@
 // .ohlod files whose meshes are read as they are needed, and what becomes of files meanwhile.
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <random>
 
 #include "hlod/store/ohlod.h"
@@ -76,6 +79,29 @@ class OpenOhlodTest : public ::testing::TestWithParam<OlodCompression> {
 
 INSTANTIATE_TEST_SUITE_P(Of, OpenOhlodTest, ::testing::Values(OlodCompression::none, OlodCompression::zstd),
                          [](const auto& of) { return of.param == OlodCompression::none ? "stored" : "packed"; });
+
+// The thread that reads is not in the child, which must not wait for it.
+TEST_P(OpenOhlodTest, IsRefusedInAChildOfFork) {
+  cache_.load = hlod::LoadMode::async;
+  std::optional<hlod::Hlod> hlod(open_ohlod(path_, cache_).hlod);
+  fetch_all(*hlod);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(20);
+    int code = 1;
+    try {
+      fetch_all(*hlod);
+    } catch (const Error& error) {
+      code = error.diagnosis().problem.starts_with("was opened before this process was forked") ? 0 : 2;
+    }
+    hlod.reset();
+    _exit(code);
+  }
+  int status = -1;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+  fetch_all(*hlod);
+}
 
 TEST_P(OpenOhlodTest, GivesTheMeshesOfTheFile) {
   const OhlodFile file = open_ohlod(path_, cache_);

@@ -74,6 +74,23 @@ TEST(TextEncoding, ConvertsCharactersOfEveryLength) {
   }
 }
 
+// UTF-8 stays as it is; overlong forms, surrogates, what is beyond Unicode and what is cut short are bytes, and so are
+// the characters that stand for bytes.
+TEST(TextEncoding, AnyBytesGoRoundAsUtf8) {
+  for (const std::string& text : {""s, "plain"s, "Stra\xc3\x9f\x65"s, "\xf0\x9f\x99\x82"s, "\n\x01\x7f"s, "a\0b"s})
+    EXPECT_EQ(utf8_of_bytes(text), text);
+  EXPECT_EQ(utf8_of_bytes("a\xff"), "a\xf4\x8f\xbf\xbf");  // U+10FFFF
+  for (const std::string& bytes : {"\xff"s, "Stra\xdf\x65"s, "\xc0\x80"s, "\xed\xa0\x80"s, "\xf4\x90\x80\x80"s,
+                                   "\xe2\x82"s, "\xf4\x8f\xbc\x80"s, "\xf4\x8f\xbf\xbf\xff"s}) {
+    const std::string text = utf8_of_bytes(bytes);
+    EXPECT_NE(text, bytes);
+    EXPECT_EQ(bytes_of_utf8(text), bytes);
+  }
+  std::string all;
+  for (int c = 0; c < 256; ++c) all += static_cast<char>(c);
+  EXPECT_EQ(bytes_of_utf8(utf8_of_bytes(all)), all);
+}
+
 // Binary STL may begin with any bytes.
 TEST(TextEncoding, BinaryFilesAreLeftAlone) {
   const test::TestFolder folder;

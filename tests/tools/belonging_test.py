@@ -2,7 +2,7 @@
 what exports wrote."""
 import json
 import os
-import pathlib
+import struct
 import subprocess
 import unittest
 
@@ -28,7 +28,6 @@ class Belonging(ToolTest):
         (self.folder / "my skin.png").write_bytes(b"an image")
         self.write_scene(json.dumps({"objects": [{"mesh": "a.obj"}], "cameras": CAMERAS, "paths": PATH}))
         floats = [0, 0, 0, 1, 0, 0, 0, 1, 0] + [0, 0, 1, 0, 0, 1]
-        import struct
         (self.folder / "data.bin").write_bytes(struct.pack("<15f", *floats))
         (self.folder / "g.gltf").write_text(json.dumps(GLTF))
         (self.folder / "p.ply").write_text("ply\nformat ascii 1.0\ncomment TextureFile my skin.png\nelement vertex 3\nproperty float x\nproperty float y\n"
@@ -75,12 +74,10 @@ class Belonging(ToolTest):
             self.assert_kept([*command, option, output], f"{option}: would overwrite ", f"which is {role}", "name another file")
 
     def test_frames_are_outputs(self):
-        for name in ("view_00001.png",):
-            (self.folder / "my skin.png").rename(self.folder / name)
-            (self.folder / "b.mtl").write_text(f"newmtl m\nmap_Kd {name}\n")
-            self.assert_kept(["render", "scene.json", "--budget", 9, "--path", "p", "--png", "view.png"], "--png: would overwrite view_00001.png",
-                             "which is an image of a.obj")
-            self.assert_kept(["hlod", "render", "scene.json", "--path", "p", "--png", "view.png"], "--png: would overwrite view_00001.png")
+        (self.folder / "my skin.png").rename(self.folder / "view_00001.png")
+        (self.folder / "b.mtl").write_text("newmtl m\nmap_Kd view_00001.png\n")
+        for command in (["render", "scene.json", "--budget", 9], ["hlod", "render", "scene.json"]):
+            self.assert_kept([*command, "--path", "p", "--png", "view.png"], "--png: would overwrite view_00001.png", "which is an image of a.obj")
 
     def test_parts_are_outputs(self):
         cells = ["cells", "build", "a.obj", "--region", "2,2,2,3,3,3", "--work", "work"]

@@ -283,7 +283,7 @@ class Render(ToolTest):
         self.assertEqual(self.triangles_of_obj("from_glb.obj"), wanted)
         text = (self.folder / "all.mtl").read_text()
         self.assertEqual(text.count("newmtl"), 2)
-        self.assertRegex(text, r"newmtl bare\nKd (1|0\.9999999\d*) 0 0\n")
+        self.assertIn("newmtl bare\nKd 1 0 0\n", text)
 
     def test_images_of_meshes_are_not_overwritten(self):
         (self.folder / "skin.mtl").write_text("newmtl skin\nmap_Kd skin.png\n")
@@ -291,7 +291,7 @@ class Render(ToolTest):
         (self.folder / "skin.png").write_text("kept")
         done = self.run_tool("render", "one.obj", "--no-cache", "--png", "skin.png")
         self.assertEqual((done.returncode, done.stdout), (2, ""))
-        self.assertIn("--png: would overwrite skin.png, which is an image of a mesh", done.stderr)
+        self.assertIn("--png: would overwrite skin.png, which is an image of one.obj", done.stderr)
         self.assertEqual((self.folder / "skin.png").read_text(), "kept")
 
     def test_mesh_in_world_space(self):
