@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "occlod/bounds.h"
+#include "occlod/mesh.h"
 
 namespace occlod {
 
@@ -50,6 +51,7 @@ class OriginChooser {
   [[nodiscard]] Origin choose() const {
     constexpr double allowed = 1e-6;
     if (!(side() > std::numeric_limits<float>::min()) || is_settled() || moved_ <= allowed * side()) return {};
+    if (reach() > farthest_coordinate) return {};  // clean() refuses it
     // The middle of the box, on a grid of about an eighth of its side, so that it has few digits.
     Origin origin;
     const double grid = std::ldexp(1.0, std::ilogb(side()) - 3);

@@ -337,8 +337,8 @@ MeshReport SectionReader::read_report() {
 glm::dvec3 SectionReader::read_origin() {
   if (!has(origin_name)) return glm::dvec3(0.0);
   const auto origin = read_one<glm::dvec3>(origin_name, "origin");
-  if (!std::isfinite(origin.x) || !std::isfinite(origin.y) || !std::isfinite(origin.z))
-    refuse("section ORIG", "is not finite");
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(std::abs(origin[axis]) <= farthest_coordinate)) refuse("section ORIG", "is not finite or too far away");
   return origin;
 }
 

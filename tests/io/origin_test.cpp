@@ -147,6 +147,13 @@ TEST(Origin, VerticesThatNoTriangleUsesDoNotCount) {
   expect_kept(folder.read("behind.ply", ply(behind, false)), points);
 }
 
+TEST(Origin, CoordinatesBeyondTheRangeAreRefusedAsBefore) {
+  const test::TestFolder folder;
+  std::vector<glm::dvec3> larger;
+  for (const glm::dvec3& p : patch(glm::dvec3(0.0))) larger.push_back(glm::dvec3(2e37) + 1e35 * p);
+  EXPECT_CONTAINS(folder.complaint("a.ply", ply(larger, false)), "is farther than 1.5e37 from the origin");
+}
+
 TEST(Origin, MinusZeroIsZero) {
   std::vector<glm::dvec3> points = patch();
   for (glm::dvec3& p : points) p.z = -0.0;
@@ -265,7 +272,8 @@ TEST(Origin, DamagedOneIsRefused) {
   view.origin.y = std::numeric_limits<double>::infinity();
   const std::filesystem::path path = folder.path() / "a.olod";
   write_olod(path, Hierarchy(view, nullptr), {});
-  EXPECT_EQ(test::complaint_of(path, [&] { static_cast<void>(read_olod(path)); }), "section ORIG: is not finite");
+  EXPECT_EQ(test::complaint_of(path, [&] { static_cast<void>(read_olod(path)); }),
+            "section ORIG: is not finite or too far away");
 }
 
 TEST(Origin, CoordinatesInMemoryAreTreatedAsThoseOfFiles) {

@@ -432,6 +432,7 @@ TEST(SessionOnAMap, PicksAndSavesInWorldCoordinates) {
                                                {"cameras", {{"default", camera(0.7)}}}});
   for (const char* as : {"hierarchy", "hlod"}) {
     Session session{test::make_portable_visibility, false};
+    act(session, {{"do", "set"}, {"setting", "device"}, {"value", "software"}});
     act(session, {{"do", "set"}, {"setting", "open_as"}, {"value", as}});
     act(session, {{"do", "open"}, {"file", scene.string()}});
     ASSERT_EQ(session.state().objects->size(), 1U) << as;
