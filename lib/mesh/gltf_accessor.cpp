@@ -103,7 +103,7 @@ bool fits(std::size_t bytes, std::size_t offset, std::size_t count, std::size_t 
 
 std::size_t number_of(const tinygltf::Value& object, const char* key, const std::string& place,
                       const FileErrors& errors) {
-  const tinygltf::Value& value = object.Get(key);
+  const tinygltf::Value& value = member(object, key);
   const double number = value.IsNumber() ? value.GetNumberAsDouble() : 0.0;
   if (!(number >= 0.0 && number <= 0x1p53))
     errors.fail(place, fmt::format("has a {} of {} in {}", key, number, compression_name), gltf_remedy);
@@ -111,7 +111,7 @@ std::size_t number_of(const tinygltf::Value& object, const char* key, const std:
 }
 
 std::string text_of(const tinygltf::Value& object, const char* key) {
-  const tinygltf::Value& value = object.Get(key);
+  const tinygltf::Value& value = member(object, key);
   return value.IsString() ? value.Get<std::string>() : std::string();
 }
 
@@ -122,6 +122,17 @@ std::span<const std::uint8_t> buffer_of(const tinygltf::Model& model, std::size_
 }
 
 }  // namespace
+
+const tinygltf::Value& member(const tinygltf::Value& value, const std::string& key) {
+  static const tinygltf::Value null;
+  return value.IsObject() ? value.Get(key) : null;
+}
+
+int index_member(const tinygltf::Value& value, const std::string& key) {
+  const tinygltf::Value& found = member(value, key);
+  const double number = found.IsNumber() ? found.GetNumberAsDouble() : -1.0;
+  return number >= 0.0 && number <= std::numeric_limits<int>::max() ? static_cast<int>(number) : -1;
+}
 
 GltfViews::View GltfViews::view(int index, const std::string& place) {
   if (index < 0 || static_cast<std::size_t>(index) >= model_.bufferViews.size())

@@ -19,6 +19,11 @@ namespace occlod {
 
 inline constexpr const char* gltf_remedy = "export the mesh again";
 
+// Returns a member of an object; a null value when it is not there, or `value` is no object.
+[[nodiscard]] const tinygltf::Value& member(const tinygltf::Value& value, const std::string& key);
+// Returns a member that is an integer of at least 0, or -1.
+[[nodiscard]] int index_member(const tinygltf::Value& value, const std::string& key);
+
 // Finds the bytes of buffer views and keeps those that had to be decoded. The model and the errors outlive it.
 class GltfViews {
  public:

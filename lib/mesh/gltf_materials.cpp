@@ -47,10 +47,10 @@ GltfLookup lookup_of(int set, const tinygltf::ExtensionMap& extensions) {
   const auto found = extensions.find("KHR_texture_transform");
   if (found == extensions.end()) return lookup;
   const tinygltf::Value& transform = found->second;
-  lookup.scale = pair_or(transform.Get("scale"), 1.0);
-  lookup.rotation = number_or(transform.Get("rotation"), 0.0);
-  lookup.offset = pair_or(transform.Get("offset"), 0.0);
-  if (transform.Get("texCoord").IsNumber()) lookup.set = std::max(transform.Get("texCoord").GetNumberAsInt(), 0);
+  lookup.scale = pair_or(member(transform, "scale"), 1.0);
+  lookup.rotation = number_or(member(transform, "rotation"), 0.0);
+  lookup.offset = pair_or(member(transform, "offset"), 0.0);
+  if (const int other = index_member(transform, "texCoord"); other >= 0) lookup.set = other;
   return lookup;
 }
 
@@ -126,18 +126,18 @@ GltfMaterials::Reference GltfMaterials::set_base_color(const tinygltf::Material&
             lookup_of(look.baseColorTexture.texCoord, look.baseColorTexture.extensions)};
   }
   const tinygltf::Value& look = specular->second;
-  if (const tinygltf::Value& factor = look.Get("diffuseFactor"); factor.IsArray())
+  if (const tinygltf::Value& factor = member(look, "diffuseFactor"); factor.IsArray())
     for (int k = 0; k < 4 && static_cast<std::size_t>(k) < factor.ArrayLen(); ++k)
       added.base_color[k] = fraction(number_or(factor.Get(k), 1.0));
   // An image of glossiness is left out, and with it what it multiplies.
   surface.roughness =
-      look.Has("specularGlossinessTexture") ? 1.0F : 1.0F - fraction(number_or(look.Get("glossinessFactor"), 1.0));
-  const tinygltf::Value& texture = look.Get("diffuseTexture");
+      look.Has("specularGlossinessTexture") ? 1.0F : 1.0F - fraction(number_or(member(look, "glossinessFactor"), 1.0));
+  const tinygltf::Value& texture = member(look, "diffuseTexture");
+  const tinygltf::Value& transform = member(member(texture, "extensions"), "KHR_texture_transform");
   tinygltf::ExtensionMap extensions;
-  if (texture.Has("extensions") && texture.Get("extensions").Has("KHR_texture_transform"))
-    extensions["KHR_texture_transform"] = texture.Get("extensions").Get("KHR_texture_transform");
-  return {"diffuseTexture", static_cast<int>(number_or(texture.Get("index"), -1.0)), 1.0,
-          lookup_of(static_cast<int>(number_or(texture.Get("texCoord"), 0.0)), extensions)};
+  if (transform.IsObject()) extensions["KHR_texture_transform"] = transform;
+  return {"diffuseTexture", index_member(texture, "index"), 1.0,
+          lookup_of(index_member(texture, "texCoord"), extensions)};
 }
 
 void GltfMaterials::add(const tinygltf::Material& material) {
@@ -231,9 +231,10 @@ int GltfMaterials::source_of(const tinygltf::Texture& texture) {
   int source = texture.source;
   for (const char* name : {"EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds", "EXT_texture_avif"}) {
     const auto found = texture.extensions.find(name);
-    if (found == texture.extensions.end() || !found->second.Get("source").IsNumber()) continue;
+    const int other = found == texture.extensions.end() ? -1 : index_member(found->second, "source");
+    if (other < 0) continue;
     if (source < 0)
-      source = found->second.Get("source").GetNumberAsInt();
+      source = other;
     else
       soup_.left_out.add(name);
   }

@@ -126,12 +126,12 @@ MorphedAttribute::MorphedAttribute(GltfViews& views, const tinygltf::Primitive& 
 
 std::vector<glm::dmat4> instances_of(GltfViews& views, const tinygltf::Node& node, LeftOut& left_out) {
   const auto found = node.extensions.find("EXT_mesh_gpu_instancing");
-  if (found == node.extensions.end() || !found->second.Get("attributes").IsObject()) return {glm::dmat4(1.0)};
-  const tinygltf::Value& attributes = found->second.Get("attributes");
+  if (found == node.extensions.end()) return {glm::dmat4(1.0)};
+  const tinygltf::Value& attributes = member(found->second, "attributes");
   std::array<std::unique_ptr<GltfAccessor>, 3> transforms;  // translation, rotation and scale
   std::optional<std::size_t> count;
   for (const std::string& name : attributes.Keys()) {
-    const int index = attributes.Get(name).IsNumber() ? attributes.Get(name).GetNumberAsInt() : -1;
+    const int index = index_member(attributes, name);
     const int kind = name == "TRANSLATION" ? 0 : name == "ROTATION" ? 1 : name == "SCALE" ? 2 : -1;
     auto accessor = std::make_unique<GltfAccessor>(views, index, kind < 0 ? 1 : kind == 1 ? 4 : 3);
     if (count && *count != accessor->count())
