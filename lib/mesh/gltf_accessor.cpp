@@ -176,7 +176,10 @@ GltfAccessor::GltfAccessor(GltfViews& views, int index, int components) {
   count_ = accessor.count;
   normalized_ = accessor.normalized;
   const bool is_sparse = accessor.sparse.isSparse;
-  if (!is_sparse || accessor.bufferView >= 0) read_base(views, accessor, static_cast<std::size_t>(size), place);
+  if (accessor.bufferView >= 0)
+    read_base(views, accessor, static_cast<std::size_t>(size), place);
+  else
+    make_zeros(views, static_cast<std::size_t>(size), place);
   if (is_sparse) replace_sparse(views, accessor, static_cast<std::size_t>(size), place);
 }
 
@@ -189,11 +192,21 @@ void GltfAccessor::read_base(GltfViews& views, const tinygltf::Accessor& accesso
   data_ = view.bytes.data() + accessor.byteOffset;
 }
 
-// Makes a packed copy of the elements, or zeros when there are none.
-void GltfAccessor::make_own(std::size_t size) {
+// An accessor without a buffer view holds zeros, which may not take more memory than the file.
+void GltfAccessor::make_zeros(GltfViews& views, std::size_t size, const std::string& place) {
+  std::size_t file_bytes = 0;
+  for (const tinygltf::Buffer& buffer : views.model().buffers) file_bytes += buffer.data.size();
+  if (count_ > file_bytes) views.errors().fail(place, fmt::format("has {} elements without data", count_), gltf_remedy);
   own_.assign(count_ * size, 0);
-  for (std::size_t i = 0; data_ != nullptr && i < count_; ++i)
-    std::memcpy(own_.data() + i * size, data_ + i * stride_, size);
+  data_ = own_.data();
+  stride_ = size;
+}
+
+// Makes a packed copy of the elements.
+void GltfAccessor::make_own(std::size_t size) {
+  if (!own_.empty()) return;
+  own_.assign(count_ * size, 0);
+  for (std::size_t i = 0; i < count_; ++i) std::memcpy(own_.data() + i * size, data_ + i * stride_, size);
   data_ = own_.data();
   stride_ = size;
 }
@@ -201,11 +214,6 @@ void GltfAccessor::make_own(std::size_t size) {
 void GltfAccessor::replace_sparse(GltfViews& views, const tinygltf::Accessor& accessor, std::size_t size,
                                   const std::string& place) {
   const FileErrors& errors = views.errors();
-  // Implicit zeros may not take more memory than the file.
-  std::size_t file_bytes = 0;
-  for (const tinygltf::Buffer& buffer : views.model().buffers) file_bytes += buffer.data.size();
-  if (data_ == nullptr && count_ > file_bytes)
-    errors.fail(place, fmt::format("has {} elements without data", count_), gltf_remedy);
   make_own(size);
   const auto& sparse = accessor.sparse;
   const auto count = static_cast<std::size_t>(std::max(sparse.count, 0));

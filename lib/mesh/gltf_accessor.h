@@ -84,6 +84,7 @@ class GltfAccessor {
  private:
   // `size` is the number of bytes of an element.
   void read_base(GltfViews& views, const tinygltf::Accessor& accessor, std::size_t size, const std::string& place);
+  void make_zeros(GltfViews& views, std::size_t size, const std::string& place);
   void make_own(std::size_t size);
   void replace_sparse(GltfViews& views, const tinygltf::Accessor& accessor, std::size_t size, const std::string& place);
 

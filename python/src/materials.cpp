@@ -77,15 +77,21 @@ void bind_maps(nb::module_& m) {
           "An index into the textures of the mesh; or None.")
       .def_ro("strength", &TextureMap::strength, "Of normals, where glTF calls it scale, and of occlusion.")
       .def_prop_ro(
-          "offset", [](const TextureMap& v) { return Pair{v.offset.x, v.offset.y}; },
+          "offset",
+          [](const TextureMap& v) {
+            return Pair{v.offset.x, v.offset.y};
+          },
           "The image shows rotation * (scale * (u, v)) + offset, v growing downwards.")
       .def_ro("rotation", &TextureMap::rotation, "Radians, counter-clockwise.")
-      .def_prop_ro("scale", [](const TextureMap& v) { return Pair{v.scale.x, v.scale.y}; });
+      .def_prop_ro("scale", [](const TextureMap& v) {
+        return Pair{v.scale.x, v.scale.y};
+      });
   bind_comparison(map);
 
-  nb::class_<Surface> surface(m, "Surface",
-                              "How a surface looks beyond its base colour, as glTF describes it. Passed on; pictures do\n"
-                              "not show it.");
+  nb::class_<Surface> surface(
+      m, "Surface",
+      "How a surface looks beyond its base colour, as glTF describes it. Passed on; pictures do\n"
+      "not show it.");
   surface
       .def(
           "__init__",
@@ -107,7 +113,10 @@ void bind_maps(nb::module_& m) {
       .def_ro("metallic", &Surface::metallic, "In [0, 1]; multiplies the blue of its map.")
       .def_ro("roughness", &Surface::roughness, "In [0, 1]; multiplies the green of metallic_map.")
       .def_prop_ro(
-          "emissive", [](const Surface& v) { return Color{v.emissive.r, v.emissive.g, v.emissive.b}; },
+          "emissive",
+          [](const Surface& v) {
+            return Color{v.emissive.r, v.emissive.g, v.emissive.b};
+          },
           "Linear light, in [0, 1]; multiplies its map.")
       .def_ro("metallic_map", &Surface::metallic_map, nb::rv_policy::copy)
       .def_ro("normal_map", &Surface::normal_map, nb::rv_policy::copy)
@@ -180,8 +189,7 @@ void bind_materials(nb::module_& m) {
           },
           "Linear light and alpha, in [0, 1]; multiplies the texture.")
       .def_prop_ro(
-          "texture",
-          [](const Material& v) { return id_or_none(v.texture); },
+          "texture", [](const Material& v) { return id_or_none(v.texture); },
           "Of the base colour: an index into the textures of the mesh; or None.")
       .def_ro("surface", &Material::surface, nb::rv_policy::copy)
       .def("__repr__", [](const Material& v) { return "<occlod.Material \"" + v.name + "\">"; });

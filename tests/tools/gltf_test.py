@@ -97,7 +97,9 @@ class Places(GltfCase):
         read = self.round_trip()
         self.assertEqual(read.corner_set(), {(0, 0, 2), (1, 0, 2), (1, 3, 2), (0, 1, 2)})
         self.assertEqual(self.counted, {"morph targets (at their default weights)": 2, "nodes": 1})
-        model.json["nodes"][0]["weights"] = [0.25, 0]
+        model.json["accessors"].append({"componentType": 5126, "count": 4, "type": "VEC3", "min": [0] * 3, "max": [0] * 3})  # zeros, as it has no view
+        model.primitive["targets"].append({"POSITION": len(model.json["accessors"]) - 1})
+        model.json["nodes"][0]["weights"] = [0.25, 0, 5]
         self.assertEqual(self.round_trip().corner_set(), {(x, y, 1) for x, y, _ in SQUARE})
 
     def test_up(self):

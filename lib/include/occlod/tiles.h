@@ -42,7 +42,7 @@ struct TilesetOptions {
   // Where image files are: names are relative to it, with or without their first folders. That of the .ohlod file, as
   // write_ohlod() wrote their names, or that of the scene or mesh.
   std::filesystem::path image_folder;
-  bool replace = false;                  // a tileset in the folder, if nothing else is there
+  bool replace = false;  // a tileset in the folder, if nothing else is there
   // Called now and then with the share done, in [0, 1]. What it throws ends the writing, and leaves the folder as it
   // was.
   std::function<void(double)> progress = {};
