@@ -219,6 +219,21 @@ void note_missing(const std::string& file, const MeshOutput& output) {
 
 namespace {
 
+// Appends a note when materials have more than OBJ and PLY can say. How metallic and rough they are is not noted:
+// every material of glTF says so.
+void note_surfaces(const TriangleMesh& mesh, const MeshOutput& output) {
+  const auto count = std::ranges::count_if(mesh.materials, [](const Material& material) {
+    Surface plain;
+    plain.metallic = material.surface.metallic;
+    plain.roughness = material.surface.roughness;
+    return material.surface != plain;
+  });
+  if (count > 0)
+    output.notes.push_back(
+        fmt::format("{} has base colours and their textures only: {} of {} materials have more (use .glb)",
+                    output.path.extension().string(), count, mesh.materials.size()));
+}
+
 // Returns the positions of the vertices, without those of extra wedges.
 std::span<const glm::vec3> vertices_of(const TriangleMesh& mesh) {
   return std::span(mesh.positions).first(mesh.vertex_count());
@@ -402,9 +417,11 @@ std::vector<std::string> write_mesh(const std::filesystem::path& path, const Tri
   ChunkedWriter out(file);
   switch (format) {
     case MeshFormat::ply:
+      note_surfaces(mesh, output);
       write_ply(out, mesh, output);
       break;
     case MeshFormat::obj:
+      note_surfaces(mesh, output);
       write_obj(out, mesh, output);
       break;
     case MeshFormat::off:

@@ -194,6 +194,16 @@ class Looks(GltfCase):
             expected.pop("doubleSided", None)
             self.assert_same(tile, expected, material)
 
+    def test_formats_that_have_less(self):
+        """OBJ and PLY have base colours only, which one note says."""
+        self.model.material(alphaMode="MASK")
+        self.model.material(pbrMetallicRoughness={"metallicFactor": 0.5})
+        self.round_trip()
+        for name in ("a.obj", "a.ply"):
+            done = self.run_tool("cut", "a.olod", "--error", 0, "-o", name)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (0, 1), done.stderr)
+            self.assertIn("base colours and their textures only: 1 of 2 materials have more", done.stderr)
+
     def test_opaque_ignores_alpha(self):
         self.model.material(pbrMetallicRoughness={"baseColorFactor": [1, 0, 0, 0]})
         for read in (self.round_trip(), self.tile()):
