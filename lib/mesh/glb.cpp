@@ -262,11 +262,12 @@ class GlbWriter {
       if (!all.empty()) output_.notes.emplace_back("without texture coordinates there are no textures in a GLB file");
       return;
     }
-    for (TextureId t = 0; t < all.size(); ++t) {
-      const std::optional<std::size_t> image = image_of(t);
+    for (std::size_t t = 0; t < all.size(); ++t) {
+      const auto id = static_cast<TextureId>(t);
+      const std::optional<std::size_t> image = image_of(id);
       if (!image) continue;
       new_ids_[t] = static_cast<TextureId>(textures_.size());
-      textures_.emplace_back(t, *image);
+      textures_.emplace_back(id, *image);
     }
   }
 

@@ -41,14 +41,13 @@ GltfSkins::GltfSkins(GltfViews& views) : views_(views) {
 
 glm::dmat4 GltfSkins::to_world(int node) const {
   const std::vector<tinygltf::Node>& nodes = views_.model().nodes;
-  std::vector<int> path;  // to the root
-  for (; node >= 0; node = parents_[static_cast<std::size_t>(node)]) {
-    if (path.size() > nodes.size())
-      views_.errors().fail(fmt::format("node {}", node), "is not part of a tree of nodes", gltf_remedy);
-    path.push_back(node);
-  }
   glm::dmat4 m(1.0);
-  for (auto it = path.rbegin(); it != path.rend(); ++it) m *= local_transform(nodes[static_cast<std::size_t>(*it)]);
+  for (std::size_t steps = 0; node >= 0; ++steps) {
+    if (steps > nodes.size())
+      views_.errors().fail(fmt::format("node {}", node), "is not part of a tree of nodes", gltf_remedy);
+    m = local_transform(nodes[static_cast<std::size_t>(node)]) * m;
+    node = parents_[static_cast<std::size_t>(node)];
+  }
   return m;
 }
 
