@@ -10,6 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "mesh/mesh_files.h"
+
 namespace occlod {
 namespace {
 
@@ -56,11 +58,7 @@ fs::path folder_of(const fs::path& file) {
   return folder.empty() ? "." : folder;
 }
 
-fs::path image_path(const std::string& file, const fs::path& folder) {
-  std::string name = file;
-  std::ranges::replace(name, '\\', '/');
-  return folder / name;
-}
+fs::path image_path(const std::string& file, const fs::path& folder) { return folder / name_in(folder, file); }
 
 std::string name_that_leads(const std::string& file, const ImageFolders& folders) {
   if (file.empty() || folders.from.empty()) return file;

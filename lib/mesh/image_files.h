@@ -21,7 +21,7 @@ struct ImageFolders {
 // Returns the folder of a file; "." for a name without one.
 [[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path& file);
 
-// Returns the path of an image file; names of other systems have backslashes.
+// Returns the path of an image file, whose name may have the backslashes of Windows.
 [[nodiscard]] std::filesystem::path image_path(const std::string& file, const std::filesystem::path& folder);
 
 // Returns the name that leads from folders.to to an image file that is found from folders.from. Any other name stays.

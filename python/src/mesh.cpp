@@ -334,11 +334,16 @@ void bind_mesh(nb::module_& m) {
               require_valid(mesh);
               notes = images.empty() ? write_mesh(path, mesh) : write_mesh(path, mesh, images);
             }
-            for (const std::string& note : notes)
-              if (PyErr_WarnEx(PyExc_UserWarning, note.c_str(), 1) != 0) throw nb::python_error();
+            for (const std::string& note : notes) {
+              // Names may have bytes that are not UTF-8.
+              const auto text = nb::steal<nb::str>(
+                  PyUnicode_DecodeFSDefaultAndSize(note.data(), static_cast<Py_ssize_t>(note.size())));
+              if (PyErr_WarnFormat(PyExc_UserWarning, 1, "%U", text.ptr()) != 0) throw nb::python_error();
+            }
           },
           "path"_a, nb::kw_only(), "images"_a = "",
-          "As PLY, OBJ, GLB, OFF or STL, by the extension. An old file stays as it was when writing fails. `images` is\n"
+          "As PLY, OBJ, GLB, OFF or STL, by the extension. An old file stays as it was when writing fails. `images` "
+          "is\n"
           "the folder that names of textures are relative to, else that of the path: GLB holds the images, and other\n"
           "files lead to them. Warns of those that are not there, and of those that glTF lacks. STL has floats only: its\n"
           "coordinates are relative to the origin.")
