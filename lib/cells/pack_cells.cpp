@@ -206,7 +206,7 @@ class Packing {
   void add_base_mesh(const PackedStars& stars);
   void add_materials(const HierarchyView& data);
   [[nodiscard]] bool has_looks() const {
-    return std::ranges::any_of(hierarchies_, [](const Hierarchy* h) { return olod::needs_wedges(h->data()); });
+    return std::ranges::any_of(hierarchies_, [](const Hierarchy* h) { return olod::has_looks(h->data()); });
   }
 
   void tell(double share) const {

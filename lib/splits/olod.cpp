@@ -56,10 +56,12 @@ void add_vertices(const HierarchyView& view, std::size_t first, std::size_t coun
 
 }  // namespace
 
-bool needs_wedges(const HierarchyView& view) {
+bool has_looks(const HierarchyView& view) {
   return !view.extra_wedges.empty() || !view.texture_coordinates.empty() || !view.wedge_materials.empty() ||
-         !view.materials.empty() || !view.textures.empty() || !view.attribute_errors.empty();
+         !view.materials.empty() || !view.textures.empty();
 }
+
+bool needs_wedges(const HierarchyView& view) { return has_looks(view) || !view.attribute_errors.empty(); }
 
 std::uint64_t digest_of_base(const HierarchyView& view) {
   Digest digest;
@@ -201,7 +203,7 @@ void write_olod(const std::filesystem::path& path, const Hierarchy& hierarchy, c
         writer.add(name, array, has_blocks ? Check::parts : Check::whole, has_blocks ? codec : Codec::stored);
     });
   }
-  if (needs_wedges(view) || view.up != UpAxis::z) materials.add(view, writer, {image_folder, folder_of(path)});
+  if (has_looks(view) || view.up != UpAxis::z) materials.add(view, writer, {image_folder, folder_of(path)});
   if (writer.add_origin(view.origin)) kind.version = olod_version;
   const Summary summary{view.box, view.input_triangle_count, view.face_count, view.error_bound, 0};
   const std::vector<std::uint64_t> digests = digests_of(view);

@@ -60,7 +60,9 @@ void for_each_wedge_array(View& view, const Visit& visit) {
   visit("AERR", view.attribute_errors, true);
 }
 
-// Returns whether a hierarchy needs version 3.
+// Returns whether a hierarchy has texture coordinates, materials or seams.
+[[nodiscard]] bool has_looks(const HierarchyView& view);
+// Returns whether a hierarchy needs version 3, because of these or of errors of attributes.
 [[nodiscard]] bool needs_wedges(const HierarchyView& view);
 
 // Returns the XXH3-64 of the attributes of the base vertices' wedges.
