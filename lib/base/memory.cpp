@@ -25,7 +25,7 @@ constexpr auto pause = std::chrono::milliseconds(1);
 constexpr auto look_interval = std::chrono::microseconds(100);  // between two looks of make_room()
 // The bounds of the threshold above which pages leave, as fractions of the limit. The margin above the threshold is for
 // memory that fills up meanwhile.
-constexpr double most_used = 0.8, least_used = 0.4;
+constexpr double most_used = 0.75, least_used = 0.4;
 constexpr std::size_t min_limit = std::size_t{1} << 26U;
 
 // All mapped scratch files, including those that outlive their MemoryLimit.
