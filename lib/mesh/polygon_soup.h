@@ -44,7 +44,7 @@ struct SoupTables {
   std::vector<Material> materials;
   std::vector<Texture> textures;
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
-  glm::dvec3 origin{0.0};            // of positions, see TriangleMesh
+  glm::dvec3 origin{0.0};  // of positions, see TriangleMesh
   UpAxis up = UpAxis::z;
   std::uint64_t added_vertices = 0;  // vertices at the end that repeat others with other attributes
   LeftOut left_out;

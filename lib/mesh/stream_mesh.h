@@ -30,8 +30,15 @@ struct MeshArrays {
 };
 
 [[nodiscard]] inline MeshArrays arrays_of(const TriangleMesh& mesh) {
-  return {mesh.positions,          mesh.normals,        mesh.colors, mesh.texture_coordinates, mesh.wedge_triangles(),
-          mesh.triangle_materials, mesh.texture_origin, mesh.origin, mesh.up};
+  return {mesh.positions,
+          mesh.normals,
+          mesh.colors,
+          mesh.texture_coordinates,
+          mesh.wedge_triangles(),
+          mesh.triangle_materials,
+          mesh.texture_origin,
+          mesh.origin,
+          mesh.up};
 }
 
 class PieceCutter {

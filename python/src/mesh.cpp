@@ -345,7 +345,8 @@ void bind_mesh(nb::module_& m) {
           "As PLY, OBJ, GLB, OFF or STL, by the extension. An old file stays as it was when writing fails. `images` "
           "is\n"
           "the folder that names of textures are relative to, else that of the path: GLB holds the images, and other\n"
-          "files lead to them. Warns of those that are not there, and of those that glTF lacks. STL has floats only: its\n"
+          "files lead to them. Warns of those that are not there, and of those that glTF lacks. STL has floats only: "
+          "its\n"
           "coordinates are relative to the origin.")
       .def("__repr__", [](const TriangleMesh& mesh) {
         return "<occlod.Mesh of " + std::to_string(mesh.vertex_count()) + " vertices and " +

@@ -12,10 +12,10 @@
 
 namespace occlod::hlod {
 
-// Removes pairs of triangles with the same corners and opposite winding that merging has folded onto each other, so that
-// the oriented boundary is unchanged. `before` holds each triangle as it was before merging: those that had the same
-// corners already, such as both sides of a sheet, stay. The remaining triangles keep their order. Ids must be below
-// 2^21. `corners` holds the triangles' wedges, which are removed with them, or is empty. Expected O(n).
+// Removes pairs of triangles with the same corners and opposite winding that merging has folded onto each other, so
+// that the oriented boundary is unchanged. `before` holds each triangle as it was before merging: those that had the
+// same corners already, such as both sides of a sheet, stay. The remaining triangles keep their order. Ids must be
+// below 2^21. `corners` holds the triangles' wedges, which are removed with them, or is empty. Expected O(n).
 void cancel_folded(std::vector<Triangle>& triangles, std::vector<Triangle>& corners, std::span<const Triangle> before);
 
 // Records that everything in `box`, which a vertex stood for or triangles beside it, now depends on this vertex.

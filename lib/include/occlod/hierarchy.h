@@ -91,7 +91,7 @@ struct HierarchyView {
   std::span<const std::uint16_t> attribute_errors;  // one per split, see Hierarchy::attribute_error()
   TextureOrigin texture_origin = TextureOrigin::bottom_left;  // origin of texture_coordinates
   glm::dvec3 origin{0.0};  // coordinates are origin + position, see TriangleMesh::origin and positions_to_world()
-  UpAxis up = UpAxis::z;                                      // of the input
+  UpAxis up = UpAxis::z;   // of the input
 };
 
 class SplitGuard;

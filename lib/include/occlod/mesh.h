@@ -130,7 +130,7 @@ struct TriangleMesh {
   // What positions are relative to: coordinates are origin + position. Not 0 where coordinates have more digits than
   // floats, such as those of maps: readers then choose a place near the middle of the mesh.
   glm::dvec3 origin{0.0};
-  UpAxis up = UpAxis::z;                                      // of the file or scene that it comes from
+  UpAxis up = UpAxis::z;  // of the file or scene that it comes from
 
   // Returns the number of vertices; extra wedges do not count.
   [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() - extra_wedges.size(); }
