@@ -176,9 +176,8 @@ void StarMesh::distinct_faces(VertexId v, std::vector<StarFace>& out) const {
     sorted.push_back(
         {std::min(star[i].next, star[i].last), std::max(star[i].next, star[i].last), static_cast<std::uint32_t>(i)});
   std::ranges::sort(sorted);
-  const auto [first, last] =
-      std::ranges::unique(sorted, {}, [](const auto& face) { return std::pair(face[0], face[1]); });
-  sorted.erase(first, last);
+  const auto same_corners = [](const auto& a, const auto& b) { return a[0] == b[0] && a[1] == b[1]; };
+  sorted.erase(std::unique(sorted.begin(), sorted.end(), same_corners), sorted.end());
   std::ranges::sort(sorted, {}, [](const auto& face) { return face[2]; });
   for (const auto& face : sorted) out.push_back(star[face[2]]);
 }
