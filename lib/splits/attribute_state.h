@@ -1,9 +1,11 @@
 // Tracks the attributes at the corners of faces while a mesh is simplified, and decides what collapses do to them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <span>
@@ -73,10 +75,10 @@ class CornerMap {
   std::vector<std::vector<Corner>> lists_;  // per vertex whose corners differ, in the order of its faces
 };
 
-// Returns whether a mesh has attributes that simplification takes into account.
+// Returns whether a mesh has attributes that simplification takes into account: not one colour everywhere.
 [[nodiscard]] inline bool has_wedge_attributes(const TriangleMesh& mesh) {
   return !mesh.extra_wedges.empty() || !mesh.texture_coordinates.empty() || !mesh.normals.empty() ||
-         !mesh.colors.empty();
+         std::ranges::adjacent_find(mesh.colors, std::ranges::not_equal_to{}) != mesh.colors.end();
 }
 
 // Returns the material of each wedge; empty when triangles name none.

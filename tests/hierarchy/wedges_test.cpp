@@ -424,7 +424,9 @@ TEST(Wedges, RestoresLooksAtEveryCorner) {
 }
 
 TEST(Wedges, MeshesWithoutAttributesHaveNone) {
-  const Hierarchy hierarchy = build(test::noisy_sphere(3, 1), 20);
+  TriangleMesh mesh = test::noisy_sphere(3, 1);
+  mesh.colors.assign(mesh.vertex_count(), glm::u8vec4(200, 100, 50, 255));  // one colour everywhere is none
+  const Hierarchy hierarchy = build(mesh, 20);
   EXPECT_FALSE(hierarchy.has_seams());
   EXPECT_TRUE(hierarchy.data().corner_starts.empty());
   EXPECT_TRUE(hierarchy.data().attribute_errors.empty());
