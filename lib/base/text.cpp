@@ -264,50 +264,6 @@ std::string_view as_utf8(std::string_view bytes, std::string& converted, const F
   return converted;
 }
 
-bool is_utf8(std::string_view bytes) noexcept {
-  while (!bytes.empty()) {
-    const auto first = static_cast<unsigned char>(bytes[0]);
-    const std::size_t length = first < 0x80   ? 1
-                               : first < 0xc2 ? 0
-                               : first < 0xe0 ? 2
-                               : first < 0xf0 ? 3
-                               : first < 0xf5 ? 4
-                                              : 0;
-    if (length == 0 || length > bytes.size()) return false;
-    char32_t c = length == 1 ? first : first & (0x7fU >> length);
-    for (const char trail : bytes.substr(1, length - 1)) {
-      if ((static_cast<unsigned char>(trail) & 0xc0U) != 0x80U) return false;
-      c = c << 6 | (static_cast<unsigned char>(trail) & 0x3fU);
-    }
-    const bool is_overlong = (length == 3 && c < 0x800) || (length == 4 && c < 0x10000);
-    if (is_overlong || (c >= first_surrogate && c <= last_surrogate) || c > 0x10ffff) return false;
-    bytes.remove_prefix(length);
-  }
-  return true;
-}
-
-std::string from_latin1(std::string_view bytes) {
-  std::string text;
-  for (const char c : bytes) append(static_cast<unsigned char>(c), text);
-  return text;
-}
-
-std::optional<std::string> to_latin1(std::string_view text) {
-  std::string bytes;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto c = static_cast<unsigned char>(text[i]);
-    if (c < 0x80) {
-      bytes += text[i];
-      continue;
-    }
-    const bool is_latin1 =
-        (c == 0xc2 || c == 0xc3) && i + 1 < text.size() && (static_cast<unsigned char>(text[i + 1]) & 0xc0U) == 0x80U;
-    if (!is_latin1) return std::nullopt;
-    bytes += static_cast<char>((c & 3U) << 6U | (static_cast<unsigned char>(text[++i]) & 0x3fU));
-  }
-  return bytes;
-}
-
 namespace {
 
 constexpr char32_t first_byte = 0x10ff00;  // stands for the byte 0
@@ -329,6 +285,21 @@ std::pair<std::size_t, char32_t> first_character(std::string_view text) {
 }
 
 }  // namespace
+
+bool is_utf8(std::string_view bytes) noexcept {
+  while (!bytes.empty()) {
+    const std::size_t size = first_character(bytes).first;
+    if (size == 0) return false;
+    bytes.remove_prefix(size);
+  }
+  return true;
+}
+
+std::string from_latin1(std::string_view bytes) {
+  std::string text;
+  for (const char c : bytes) append(static_cast<unsigned char>(c), text);
+  return text;
+}
 
 std::string utf8_of_bytes(std::string_view bytes) {
   std::string text;

@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -124,8 +123,6 @@ inline constexpr TextCursor::Syntax obj_syntax{.hash_comments = true, .backslash
 [[nodiscard]] bool is_utf8(std::string_view bytes) noexcept;
 // Converts Latin-1 to UTF-8.
 [[nodiscard]] std::string from_latin1(std::string_view bytes);
-// Undoes from_latin1(); returns nothing for UTF-8 with other characters.
-[[nodiscard]] std::optional<std::string> to_latin1(std::string_view text);
 // Return a text of any bytes as UTF-8, and back: bytes that are not UTF-8 become U+10FF00 to U+10FFFF, and so do those
 // of such characters. Other text stays as it is.
 [[nodiscard]] std::string utf8_of_bytes(std::string_view bytes);

@@ -369,17 +369,9 @@ Json to_json(const Texture& texture) {
                {"bytes", texture.bytes.size()},
                {"wrap_s", wrap_names[static_cast<std::size_t>(texture.wrap_s)]},
                {"wrap_t", wrap_names[static_cast<std::size_t>(texture.wrap_t)]}};
-  // Bytes that are not UTF-8 are kept, so that the file is found, as if they were Latin-1.
-  if (!is_utf8(texture.file)) json["file_latin1"] = from_latin1(texture.file);
   if (texture.min_filter != 0) json["min_filter"] = texture.min_filter;
   if (texture.mag_filter != 0) json["mag_filter"] = texture.mag_filter;
   return json;
-}
-
-std::string file_of(const Json& texture) {
-  if (!texture.contains("file_latin1")) return texture.at("file").get<std::string>();
-  if (std::optional<std::string> file = to_latin1(texture["file_latin1"].get<std::string>())) return std::move(*file);
-  throw Json::other_error::create(501, "not Latin-1", &texture);
 }
 
 // Calls visit(key, field) for each field of a map or a surface that a file may lack.
@@ -426,30 +418,34 @@ void read_value(const Json& json, glm::vec3& v) {
 }
 void read_value(const Json& json, TextureMap& map);
 
-Json value_of(const TextureMap& map) {
+// Returns the fields that differ from those of a new object; for_each_field(object, visit) lists them.
+template <class Look, class ForEachField>
+Json unusual_fields(const Look& look, const ForEachField& for_each_field) {
   Json json = Json::object();
-  const TextureMap usual;
-  for_each_map_field(map, [&](const char* key, const auto& field) { json[key] = value_of(field); });
-  for_each_map_field(usual, [&](const char* key, const auto& field) {
+  for_each_field(look, [&](const char* key, const auto& field) { json[key] = value_of(field); });
+  const Look usual;
+  for_each_field(usual, [&](const char* key, const auto& field) {
     if (json[key] == value_of(field)) json.erase(key);
   });
   return json;
+}
+template <class Look, class ForEachField>
+void read_fields(const Json& json, Look& look, const ForEachField& for_each_field) {
+  for_each_field(look, [&](const char* key, auto& field) {
+    if (json.contains(key)) read_value(json[key], field);
+  });
+}
+
+Json value_of(const TextureMap& map) {
+  return unusual_fields(map, [](auto& of, const auto& visit) { for_each_map_field(of, visit); });
 }
 
 Json to_json(const Surface& surface) {
-  Json json = Json::object();
-  const Surface usual;
-  for_each_surface_field(surface, [&](const char* key, const auto& field) { json[key] = value_of(field); });
-  for_each_surface_field(usual, [&](const char* key, const auto& field) {
-    if (json[key] == value_of(field)) json.erase(key);
-  });
-  return json;
+  return unusual_fields(surface, [](auto& of, const auto& visit) { for_each_surface_field(of, visit); });
 }
 
 void read_value(const Json& json, TextureMap& map) {
-  for_each_map_field(map, [&](const char* key, auto& field) {
-    if (json.contains(key)) read_value(json[key], field);
-  });
+  read_fields(json, map, [](auto& of, const auto& visit) { for_each_map_field(of, visit); });
 }
 
 Json to_json(const Material& material) {
@@ -467,9 +463,8 @@ Material material_of(const Json& json) {
     material.base_color[i] = json.at("base_color").at(static_cast<std::size_t>(i)).get<float>();
   if (json.contains("texture")) material.texture = json["texture"].get<TextureId>();
   if (json.contains("surface"))
-    for_each_surface_field(material.surface, [&](const char* key, auto& field) {
-      if (json["surface"].contains(key)) read_value(json["surface"][key], field);
-    });
+    read_fields(json["surface"], material.surface,
+                [](auto& of, const auto& visit) { for_each_surface_field(of, visit); });
   return material;
 }
 
@@ -495,7 +490,7 @@ std::optional<Materials> unpack(std::string_view text, std::span<const std::uint
     for (const Json& texture : json.at("textures")) {
       const auto size = texture.at("bytes").get<std::size_t>();
       if (size > images.size()) return std::nullopt;
-      result.textures.push_back({file_of(texture),
+      result.textures.push_back({texture.at("file").get<std::string>(),
                                  texture.at("mime_type").get<std::string>(),
                                  {images.begin(), images.begin() + static_cast<std::ptrdiff_t>(size)},
                                  wrap_of(texture.at("wrap_s")),

@@ -42,11 +42,6 @@ std::optional<TextureId> id_or_none(TextureId id) {
   return id == no_texture ? std::nullopt : std::optional<TextureId>(id);
 }
 
-// Bytes that are not UTF-8 are escaped.
-nb::str file_name(const std::string& bytes) {
-  return nb::steal<nb::str>(PyUnicode_DecodeFSDefaultAndSize(bytes.data(), static_cast<Py_ssize_t>(bytes.size())));
-}
-
 template <typename Value>
 void bind_comparison(nb::class_<Value>& type) {
   type.def(
@@ -153,10 +148,9 @@ void bind_materials(nb::module_& m) {
           },
           "file"_a = "", nb::kw_only(), "mime_type"_a = "", "bytes"_a = nb::bytes("", 0),
           "wrap_s"_a = TextureWrap::repeat, "wrap_t"_a = TextureWrap::repeat, "min_filter"_a = 0, "mag_filter"_a = 0)
-      .def_prop_ro(
-          "file", [](const Texture& t) { return file_name(t.file); },
-          "As the mesh file names it, relative to that file; empty when embedded. Bytes that are not UTF-8 are\n"
-          "escaped as by os.fsdecode().")
+      .def_ro("file", &Texture::file,
+              "As the mesh file names it, relative to that file; empty when embedded. Bytes that are not UTF-8 are\n"
+              "escaped as by os.fsdecode().")
       .def_ro("mime_type", &Texture::mime_type, "Of `bytes`, such as image/png; empty without.")
       .def_prop_ro(
           "bytes", [](const Texture& t) { return nb::bytes(t.bytes.data(), t.bytes.size()); },
@@ -166,9 +160,8 @@ void bind_materials(nb::module_& m) {
       .def_ro("min_filter", &Texture::min_filter, "As glTF numbers them, such as 9987; 0: the viewer chooses.")
       .def_ro("mag_filter", &Texture::mag_filter, "Likewise.")
       .def("__repr__", [](const Texture& t) {
-        return file_name("<occlod.Texture " +
-                         (t.bytes.empty() ? "\"" + t.file + "\"" : "of " + std::to_string(t.bytes.size()) + " bytes") +
-                         ">");
+        return "<occlod.Texture " +
+               (t.bytes.empty() ? "\"" + t.file + "\"" : "of " + std::to_string(t.bytes.size()) + " bytes") + ">";
       });
   bind_comparison(texture);
 

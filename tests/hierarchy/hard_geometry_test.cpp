@@ -146,14 +146,6 @@ TEST(HardGeometry, RepeatedAndOppositeTriangles) {
   (void)build_soundly(mesh);
 }
 
-double area_of(const TriangleMesh& mesh) {
-  double area = 0.0;
-  for (const Triangle& t : mesh.triangles)
-    area += 0.5 * static_cast<double>(glm::length(glm::cross(mesh.positions[t.y] - mesh.positions[t.x],
-                                                             mesh.positions[t.z] - mesh.positions[t.x])));
-  return area;
-}
-
 TEST(HardGeometry, SheetsThatLieThereTwiceSimplifyAsOne) {
   TriangleMesh single = test::grid(60, 60);
   for (glm::vec3& p : single.positions) p.z = 0.05F * std::sin(3.0F * p.x) * std::cos(4.0F * p.y);
@@ -169,7 +161,7 @@ TEST(HardGeometry, SheetsThatLieThereTwiceSimplifyAsOne) {
       const Hierarchy hierarchy = build_soundly(mesh, 64);
       const FixedCut cut = cut_to_triangles(hierarchy, n == 1 ? 400 : 210);
       EXPECT_LE(static_cast<double>(cut.error), 1.5 * error_alone);
-      EXPECT_GE(area_of(cut_mesh(hierarchy, cut)), 0.99 * area_of(n == 1 ? mesh : single));
+      EXPECT_GE(test::area_of(cut_mesh(hierarchy, cut)), 0.99 * test::area_of(n == 1 ? mesh : single));
       EXPECT_LE(cut_mesh(hierarchy, cut_to_error(hierarchy, 0.05)).triangle_count(), 130U);
     }
 }

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <random>
 
 #include "occlod/build_hlod.h"
@@ -38,14 +37,6 @@ void append_triangle(TriangleMesh& mesh, const glm::vec3& a, const glm::vec3& b,
 }
 
 TriangleMesh cleaned(const TriangleMesh& mesh) { return clean(mesh, {}, "test mesh").mesh; }
-
-double area_of(const TriangleMesh& mesh) {
-  double area = 0.0;
-  for (const Triangle& t : mesh.triangles)
-    area += 0.5 * static_cast<double>(glm::length(glm::cross(mesh.positions[t.y] - mesh.positions[t.x],
-                                                             mesh.positions[t.z] - mesh.positions[t.x])));
-  return area;
-}
 
 TEST(HardSoups, ThousandsOfComponents) { expect_sound(occlod::test::many_tetrahedra(5139)); }
 
@@ -113,7 +104,8 @@ TEST(HardSoups, SheetsWithDoublesHaveCoarseLevels) {
       const Hlod hlod = build_hlod(mesh, options);
       ASSERT_EQ(hlod.data().roots.size(), 1U);
       EXPECT_LE(hlod.node(hlod.data().roots[0]).triangles, 500U);
-      EXPECT_NEAR(hlod.node(hlod.data().roots[0]).area, area_of(mesh), 0.05 * area_of(mesh));
+      EXPECT_NEAR(hlod.node(hlod.data().roots[0]).area, occlod::test::area_of(mesh),
+                  0.05 * occlod::test::area_of(mesh));
     }
 }
 

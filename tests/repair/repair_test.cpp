@@ -46,15 +46,6 @@ double volume(const TriangleMesh& mesh) {
   return sum;
 }
 
-double area(const TriangleMesh& mesh) {
-  double sum = 0.0;
-  for (const Triangle& t : mesh.triangles) {
-    const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
-    sum += 0.5 * glm::length(glm::cross(b - a, c - a));
-  }
-  return sum;
-}
-
 // The same corners in the same direction, told from any of them.
 bool is_same(Triangle a, const Triangle& b) {
   for (int i = 0; i < 2 && a != b; ++i) a = {a.y, a.z, a.x};
@@ -193,7 +184,7 @@ TEST(Repair, TriangleWithoutAreaIsGivenToTheOneBeyond) {
   EXPECT_EQ(repaired.changes.dropped() + repaired.changes.zero_area_kept, 0U);
   EXPECT_EQ(topology_of(repaired.mesh).zero_area_triangles, 0U);
   EXPECT_EQ(topology_of(repaired.mesh).boundary_edges, 4U);
-  EXPECT_DOUBLE_EQ(area(repaired.mesh), 1.0);
+  EXPECT_DOUBLE_EQ(test::area_of(repaired.mesh), 1.0);
 }
 
 TEST(Repair, TriangleWithoutAreaOnTheBorderIsDropped) {
@@ -202,7 +193,7 @@ TEST(Repair, TriangleWithoutAreaOnTheBorderIsDropped) {
   const RepairedMesh repaired = repair_soundly(mesh);
   EXPECT_EQ(repaired.changes.zero_area_dropped, 1U);
   EXPECT_EQ(topology_of(repaired.mesh).boundary_edges, 4U);  // 0-4, 4-2 instead of 0-2
-  EXPECT_DOUBLE_EQ(area(repaired.mesh), 0.5);
+  EXPECT_DOUBLE_EQ(test::area_of(repaired.mesh), 0.5);
 }
 
 TEST(Repair, ChainsOfTrianglesWithoutAreaGo) {
@@ -221,7 +212,7 @@ TEST(Repair, ChainsOfTrianglesWithoutAreaGo) {
   EXPECT_EQ(repaired.changes.zero_area_flipped, static_cast<std::size_t>(n - 1));
   EXPECT_EQ(topology_of(repaired.mesh).zero_area_triangles, 0U);
   EXPECT_EQ(topology_of(repaired.mesh).boundary_edges, 4U);
-  EXPECT_DOUBLE_EQ(area(repaired.mesh), 1.0);
+  EXPECT_DOUBLE_EQ(test::area_of(repaired.mesh), 1.0);
 }
 
 TEST(Repair, RandomTrianglesWithoutAreaGoOrStay) {
@@ -235,7 +226,7 @@ TEST(Repair, RandomTrianglesWithoutAreaGoOrStay) {
     for (glm::vec3& p : mesh.positions)
       if (p.y >= low - 0.01F && p.y <= high + 0.01F) p = {static_cast<float>(random() % 1'000'000), low, 0};
     const RepairedMesh repaired = repair_soundly(mesh);
-    EXPECT_NEAR(area(repaired.mesh), area(mesh), 1e-9 * area(mesh));
+    EXPECT_NEAR(test::area_of(repaired.mesh), test::area_of(mesh), 1e-9 * test::area_of(mesh));
     EXPECT_EQ(topology_of(repaired.mesh).zero_area_triangles, repaired.changes.zero_area_kept);
   }
 }

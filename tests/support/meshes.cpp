@@ -1,6 +1,7 @@
 #include "support/meshes.h"
 
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "occlod/generate.h"
 
@@ -131,6 +132,15 @@ TriangleMesh many_tetrahedra(int n) {
   TriangleMesh mesh;
   for (int i = 0; i < n; ++i) append(mesh, tetrahedron(), {2.0f * static_cast<float>(i), 0, 0});
   return mesh;
+}
+
+double area_of(const TriangleMesh& mesh) {
+  double area = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
+    area += 0.5 * glm::length(glm::cross(b - a, c - a));
+  }
+  return area;
 }
 
 void append(TriangleMesh& mesh, const TriangleMesh& part, const glm::vec3& offset) {

@@ -31,6 +31,9 @@ namespace occlod::test {
 [[nodiscard]] TriangleMesh two_components();        // a tetrahedron and an octahedron, apart
 [[nodiscard]] TriangleMesh many_tetrahedra(int n);  // n copies in a row
 
+// Returns the area of all triangles.
+[[nodiscard]] double area_of(const TriangleMesh& mesh);
+
 // Appends `part`, moved by `offset`, as vertices of its own.
 void append(TriangleMesh& mesh, const TriangleMesh& part, const glm::vec3& offset);
 

@@ -174,11 +174,12 @@ class NodeSimplifier::Worker {
     for (const std::uint32_t member : all_.members(group_)) {
       const Triangle& global_ids = below_.triangles[member];
       Box box = all_.boxes_[global_ids.x];
-      Triangle image;
+      Triangle own;
       for (int k = 0; k < 3; ++k) {
         box = unite(box, all_.boxes_[global_ids[k]]);
-        image[k] = vertex_of(simplified.merged_into[vertices_.find(global_ids[k])], simplified);
+        own[k] = vertices_.find(global_ids[k]);
       }
+      const Triangle image = image_of(own, simplified);
       if (is_left(sorted(image))) continue;
       const int heir = used_[image.x] != 0 ? 0 : used_[image.y] != 0 ? 1 : 2;
       if (used_[image[heir]] != 0)
@@ -224,6 +225,13 @@ class NodeSimplifier::Worker {
     return wedge < wedges ? input_.vertex_of(wedge) : simplified.added[wedge - wedges].vertex;
   }
 
+  // Returns the local vertices into which the corners of a triangle of the input were merged.
+  [[nodiscard]] Triangle image_of(const Triangle& t, const SimplifiedGroup& simplified) const {
+    Triangle image;
+    for (int k = 0; k < 3; ++k) image[k] = vertex_of(simplified.merged_into[t[k]], simplified);
+    return image;
+  }
+
   // Returns the corners, the smallest first.
   static std::array<std::uint32_t, 3> sorted(const Triangle& t) {
     std::array<std::uint32_t, 3> corners{t.x, t.y, t.z};
@@ -236,8 +244,7 @@ class NodeSimplifier::Worker {
   [[nodiscard]] bool can_replay(const SimplifiedGroup& simplified) const {
     std::vector<Triangle> merged, before, none;
     for (const Triangle& t : input_.triangles) {
-      Triangle image;
-      for (int k = 0; k < 3; ++k) image[k] = vertex_of(simplified.merged_into[t[k]], simplified);
+      const Triangle image = image_of(t, simplified);
       if (image.x == image.y || image.y == image.z || image.z == image.x) continue;
       merged.push_back(image);
       before.push_back(t);
