@@ -184,8 +184,8 @@ class TileEncoder {
 
   std::size_t add_material(MaterialId id) {
     Material material = look_.materials.empty() ? Material() : look_.materials[id];
-    change_textures(material, [&](TextureId id) {
-      return has_image(id) && !mesh_.texture_coordinates.empty() ? add_texture(id) : no_texture;
+    change_textures(material, [&](TextureId texture) {
+      return has_image(texture) && !mesh_.texture_coordinates.empty() ? add_texture(texture) : no_texture;
     });
     document_.add_material(material);
     Json& materials = document_.json()["materials"];
