@@ -131,7 +131,7 @@ Application::Application(const ApplicationOptions& options) : options_(options) 
   if (!remembers_) session_->state().settings = session_->state().defaults;
   window_->on_key = [this](int key, int mods) {
     calm_pictures_ = 0;
-    if (!ImGui::GetIO().WantTextInput) press_key(*panels_, key, mods);
+    press_key(*panels_, key, mods);
   };
   window_->on_drop = [this](const std::filesystem::path& file) { panels_->perform("open", {{"file", file.string()}}); };
   gui_ = std::make_unique<Gui>(window_->handle());

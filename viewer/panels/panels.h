@@ -44,7 +44,9 @@ struct Fields {
   std::string bookmark = "view 1";
   std::string path = "path 1";
   std::string pictures = "pictures";
-  bool opens = false;  // the dialogue "open" is to be opened
+  bool opens = false;             // the dialogue "open" is there
+  bool types_path = false;        // its field has the focus
+  ImVector<ImWchar> typed_early;  // before that
 };
 
 struct Insets {
@@ -59,6 +61,9 @@ struct Panels {
   Insets insets;
   bool unfold = false;          // opens all sections of the sidebar
   std::set<std::string> drawn;  // settings and commands that had a control since this was last cleared
+
+  // Returns whether keys type text, or belong to a dialogue: they are not for the view.
+  [[nodiscard]] bool takes_keys() const { return fields.opens || ImGui::GetIO().WantTextInput; }
 
   // Performs {"do": command, ...arguments}.
   void perform(const char* command, nlohmann::json arguments = nlohmann::json::object());

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <iterator>
 #include <optional>
+#include <utility>
 
 #include "keys.h"
 
@@ -42,7 +43,7 @@ void set(Panels& panels, const char* setting, const nlohmann::json& value) {
 
 void ViewInput::update(Panels& panels, const Layout& layout, const glm::dvec3& held, double seconds) {
   const ImGuiIO& io = ImGui::GetIO();
-  moves_ = held != glm::dvec3(0.0) && !io.WantTextInput;
+  moves_ = held != glm::dvec3(0.0) && !panels.takes_keys();
   if (moves_) {
     const glm::dvec3 by = held * (io.KeyShift ? fast : 1.0);
     panels.perform("move", {{"right", by.x}, {"up", by.y}, {"ahead", by.z}, {"seconds", std::min(seconds, 0.1)}});
@@ -160,9 +161,19 @@ void scale_budget(Panels& panels, double factor) {
   set(panels, "budget", std::round(std::clamp(budget * factor, 1e3, 1e7)));
 }
 
+// Closes the dialogue in front. Returns false if there is none.
+bool close_dialogue(Panels& panels) {
+  if (std::exchange(panels.fields.opens, false)) return true;
+  if (!panels.session.state().settings.window.help) return false;
+  set(panels, "help", false);
+  return true;
+}
+
 }  // namespace
 
 void press_key(Panels& panels, int key, int mods) {
+  if (key == GLFW_KEY_ESCAPE && close_dialogue(panels)) return;
+  if (panels.takes_keys()) return;
   const bool control = (mods & GLFW_MOD_CONTROL) != 0;
   for (const KeyBinding& binding : key_bindings())
     if (binding.key == key && ((binding.mods & GLFW_MOD_CONTROL) != 0) == control)
