@@ -100,6 +100,16 @@ TEST_F(Controls, TheOpenDialogueTakesTheKeyboard) {
   EXPECT_EQ(session().state().errors, 0);
 }
 
+TEST_F(Controls, KeysWithoutAnythingToActOnSaySo) {
+  start({{"objects", {{{"generator", "rough-planet"}, {"options", {{"level", 3}}}}}}});
+  for (const int key : {GLFW_KEY_1, GLFW_KEY_SPACE}) {
+    act({{"do", "dismiss"}});
+    press(key);
+    ASSERT_EQ(session().state().notices.size(), 1U) << key;
+    EXPECT_FALSE(session().state().notices[0].is_error);
+  }
+}
+
 TEST_F(Controls, EscapeClosesTheHelpThenThePick) {
   start();
   act({{"do", "pick"}, {"x", 0.5}, {"y", 0.9}});
