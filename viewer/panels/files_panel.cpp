@@ -12,15 +12,6 @@
 namespace occlod::viewer {
 namespace {
 
-bool can_be_opened(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  for (const char* known : {".ply", ".obj", ".off", ".stl", ".gltf", ".glb", ".olod", ".ohlod", ".vlod", ".json"})
-    if (extension == known) return true;
-  return false;
-}
-
 struct Folder {
   std::vector<std::filesystem::path> folders;
   std::vector<std::filesystem::path> files;
@@ -95,8 +86,8 @@ void draw_files(Panels& panels) {
 
 namespace {
 
-// Draws the field for the path of a file. It has the focus when the dialogue appears, and gets it back when something is
-// typed. Returns true when Enter is pressed.
+// Draws the field for the path of a file. It has the focus when the dialogue appears, and gets it back when something
+// is typed. Returns true when Enter is pressed.
 bool draw_path_field(Fields& fields) {
   // Dear ImGui takes no characters before the picture after the one in which a field gets the focus, so they wait.
   ImVector<ImWchar>& typed = ImGui::GetIO().InputQueueCharacters;

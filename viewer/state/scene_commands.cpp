@@ -26,7 +26,7 @@ std::uint64_t object_of(const Session& session, const JsonPlace& action) {
   const auto found = std::find_if(objects.begin(), objects.end(), [&](const PlacedObject& object) {
     return place->is_string() ? object.name == place->string() : object.id == place->unsigned_integer();
   });
-  if (found == objects.end()) place->fail("is not an open object", "use its name or its number");
+  if (found == objects.end()) place->fail(place->text() + " is not an open object", "use its name or its number");
   return found->id;
 }
 

@@ -18,6 +18,7 @@ namespace {
 constexpr double recording_step_s = 1.0 / 30.0;
 constexpr std::size_t most_recent = 12;
 constexpr std::size_t max_notices = 4;
+constexpr std::size_t max_notes = 2;  // about one file
 
 nlohmann::json key_of(const Camera& c) {
   return {c.eye.x,    c.eye.y, c.eye.z, c.target.x, c.target.y,
@@ -76,6 +77,17 @@ void tell(PictureRecord& record, const HlodFront& front, bool is_new) {
   record.queries = stats.queries;
   record.queries_hidden = stats.hidden_nodes;
   record.max_error_px = stats.largest_sse_px;
+}
+
+// Returns "name", or the first of "name (2)", "name (3)", ... that no object has.
+std::string free_name(const Objects& objects, const std::string& name) {
+  const auto is_free = [&](const std::string& text) {
+    return std::none_of(objects.begin(), objects.end(),
+                        [&](const PlacedObject& object) { return object.name == text; });
+  };
+  if (is_free(name)) return name;
+  for (int i = 2;; ++i)
+    if (std::string text = fmt::format("{} ({})", name, i); is_free(text)) return text;
 }
 
 }  // namespace
@@ -190,9 +202,14 @@ void Session::edit_objects(const std::function<void(Objects&)>& edit) {
 }
 
 void Session::notify(const std::string& text, bool is_error) {
-  state_.notices.push_back({text, is_error, 0.0});
+  state_.notices.push_back({text, is_error, 0.0, false});
   if (state_.notices.size() > max_notices) state_.notices.pop_front();
   if (is_error) ++state_.errors;
+}
+
+void Session::warn(const std::string& text) {
+  notify(text);
+  state_.notices.back().is_warning = true;
 }
 
 void Session::setting_changed() {
@@ -236,9 +253,13 @@ void Session::add(LoadedFile file) {
   edit_objects([&](Objects& objects) {
     for (PlacedObject& object : file.objects) {
       object.id = next_id_++;
+      object.name = free_name(objects, object.name);
       objects.push_back(std::move(object));
     }
   });
+  for (std::size_t i = 0; i < file.notes.size() && i < max_notes; ++i) warn(file.notes[i]);
+  if (file.notes.size() > max_notes)
+    warn(fmt::format("{} more like this on standard error", file.notes.size() - max_notes));
   for (const auto& [name, camera] : file.cameras) state_.bookmarks[name] = camera;
   for (const auto& [name, path] : file.paths) state_.paths[name] = path;
   if (!file.about.empty()) state_.about = file.about;

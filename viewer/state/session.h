@@ -28,6 +28,7 @@ struct Notice {
   std::string text;
   bool is_error = false;
   double age_s = 0.0;
+  bool is_warning = false;  // no error, but to be read
 };
 
 // Names a picture to take of what is drawn next.
@@ -137,6 +138,7 @@ class Session {
   [[nodiscard]] bool cells_fit() const;
   void edit_objects(const std::function<void(Objects&)>& edit);
   void notify(const std::string& text, bool is_error = false);
+  void warn(const std::string& text);
   void setting_changed();  // call it after changing state().settings
 
  private:
