@@ -18,7 +18,8 @@ void WindowTest::start(const nlohmann::json& scene, ImageSize size) {
   options.use_cache = false;
   options.debug_gl = true;
   application_ = std::make_unique<Application>(options);
-  act({{"do", "set"}, {"setting", "scale"}, {"value", 1.0}});
+  set("scale", 1.0);
+  set("legend", false);  // pictures without text
 }
 
 void WindowTest::act(const nlohmann::json& action) {

@@ -127,6 +127,7 @@ void draw_hlod(Panels& panels) {
   draw_setting(panels, "freeze");
   draw_setting(panels, "other_strategy");
   draw_setting(panels, "hlod_tolerance");
+  draw_setting(panels, "most_triangles");
   draw_bias(panels);
   draw_setting(panels, "between");
   if (frame && frame->cache) draw_cache(*frame->cache);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "draw/depth_texture.h"
+#include "palette.h"
 #include "session.h"
 
 namespace occlod::viewer {
@@ -83,13 +84,16 @@ void draw_hlod(Panels& panels);
 void draw_cells(Panels& panels);
 void draw_auto(Panels& panels);
 void draw_look(Panels& panels);
-void draw_pick(Panels& panels);
+// Draws, over the view, the placement of the selected object and what was picked of it.
+void draw_selected(Panels& panels, const Layout& layout);
 void draw_camera(Panels& panels);
 void draw_paths(Panels& panels);
 void draw_window_settings(Panels& panels);
 void draw_numbers(Panels& panels, const Area& area);
 void draw_insets(Panels& panels, const Layout& layout);
 void draw_legend(Panels& panels, const Layout& layout);
+// Returns what the colours of the view stand for; nothing where they tell nothing.
+[[nodiscard]] std::vector<LegendEntry> legend_of(const Session& session);
 void draw_messages(Panels& panels, const Layout& layout);
 void draw_help(Panels& panels, const Layout& layout);
 

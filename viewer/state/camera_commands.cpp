@@ -46,6 +46,7 @@ void picture_size(Session& session, const JsonPlace& action) {
   State& state = session.state();
   if (action.has("width") != action.has("height"))
     action.fail("has only one of width and height", "give both or neither");
+  state.is_sized_for_cells = false;
   if (!action.has("width")) {
     state.fixed_size.reset();
     return;

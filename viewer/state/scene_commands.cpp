@@ -62,7 +62,7 @@ void close_all(Session& session, const JsonPlace&) {
   State& state = session.state();
   session.cancel_loading();
   session.edit_objects([](Objects& objects) { objects.clear(); });
-  state.cells.reset();
+  session.close_cells();
   state.selected = 0;
   state.pick.reset();
   state.bookmarks.clear();
@@ -73,7 +73,7 @@ void close_all(Session& session, const JsonPlace&) {
   session.setting_changed();
 }
 
-void close_cells(Session& session, const JsonPlace&) { session.state().cells.reset(); }
+void close_cells(Session& session, const JsonPlace&) { session.close_cells(); }
 
 void select(Session& session, const JsonPlace& action) { session.state().selected = object_of(session, action); }
 

@@ -128,6 +128,7 @@ void Session::perform(const nlohmann::json& action) {
 }
 
 void Session::update(double seconds, double patience_ms) {
+  now_s_ += seconds;
   for (Notice& notice : state_.notices) notice.age_s += seconds;
   take_loaded();
   go_on_playing();
@@ -146,23 +147,31 @@ void Session::update(double seconds, double patience_ms) {
   touched_ = false;
 }
 
-void Session::picture_drawn(const PictureCost& cost) {
-  ++pictures_;
-  if (!frame_ || frame_->side_count() == 0) return;
+PictureRecord Session::record_of_frame() const {
   PictureRecord record;
-  record.picture = pictures_;
+  record.picture = pictures_ + 1;
+  record.at_s = now_s_;
   if (!state_.playback.path.empty() && frame_->job.number == requested_)
     record.path_frame = static_cast<int>(state_.playback.at);
-  record.cost = cost;
   record.memory_mb = resident_memory_mb();
   record.hash = frame_->hash;
-  const bool is_new = std::exchange(drawn_, frame_->job.number) != frame_->job.number;
+  const bool is_new = drawn_ != frame_->job.number;
   if (frame_->sides.empty())
     tell(record, *frame_->hlod_sides[0].front, is_new);
   else
     tell(record, frame_->sides[0], is_new);
   if (frame_->cells) record.walked = frame_->cells->walked;
-  timeline_.add(record);
+  return record;
+}
+
+void Session::picture_drawn(const PictureCost& cost) {
+  if (frame_ && frame_->side_count() > 0) {
+    PictureRecord record = record_of_frame();
+    record.cost = cost;
+    drawn_ = frame_->job.number;
+    timeline_.add(record);
+  }
+  ++pictures_;
 }
 
 bool Session::settled() const noexcept {
@@ -191,6 +200,11 @@ void Session::open(const std::filesystem::path& file) {
 void Session::cancel_loading() {
   waiting_cells_.clear();
   loader_.cancel();
+}
+
+void Session::close_cells() {
+  state_.cells.reset();
+  if (std::exchange(state_.is_sized_for_cells, false)) state_.fixed_size.reset();
 }
 
 bool Session::cells_fit() const { return state_.cells && shown_ && are_of(*state_.cells, *shown_); }
@@ -238,6 +252,15 @@ void Session::take_cells(std::shared_ptr<const ViewCells> cells) {
   if (state_.objects->empty()) return;  // closed meanwhile
   files_.add_input(std::filesystem::absolute(cells->path), "a file of view cells that was opened");
   state_.cells = std::move(cells);
+  if (state_.fixed_size || why_not_promised(*state_.cells, state_.camera).empty()) return;
+  const auto fitting = promised_camera(*state_.cells, state_.camera);
+  if (!fitting) return;
+  state_.fixed_size = {fitting->width, fitting->height};
+  state_.is_sized_for_cells = true;
+  set_view_size(view_size_);
+  notify(
+      fmt::format("the picture is {} x {} pixels, for which the cells promise their error; Camera, Picture changes it",
+                  fitting->width, fitting->height));
 }
 
 void Session::add(LoadedFile file) {
