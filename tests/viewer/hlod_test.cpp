@@ -65,6 +65,21 @@ TEST_F(HlodSession, OpensLikeAMesh) {
   EXPECT_EQ(triangles, stats().drawn_triangles);
 }
 
+// Reading tells how far it is, and may be ended.
+TEST_F(HlodSession, ReadingTellsItsProgress) {
+  std::vector<double> told;
+  LoadOptions options;
+  options.progress = [&](const std::string& what, double done) {
+    EXPECT_NE(what.find("city.ohlod"), std::string::npos);
+    told.push_back(done);
+  };
+  static_cast<void>(load_hlods(read_scene(scene_), folder_.path(""), options));
+  EXPECT_GT(told.size(), 40U);
+  EXPECT_EQ(told.front(), 0.0);
+  EXPECT_GT(told.back(), 0.95);
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+}
+
 // Whatever is shown of it, while it gets finer and where it stays.
 TEST_F(HlodSession, TheToleranceIsRaisedUntilTrianglesAreFew) {
   open();

@@ -39,6 +39,8 @@ void draw_tag(const char* name, const Area& picture, const std::string& text, fl
   ImGui::End();
 }
 
+float tag_height() { return ImGui::GetTextLineHeight() + 2.0F * ImGui::GetStyle().WindowPadding.y; }
+
 std::string count_text(const RefinedSide& side, const char* occlusion) {
   const auto triangles = static_cast<double>(side.refinement.stats.triangles);
   const auto visible = static_cast<double>(side.visible_triangles.value_or(0));
@@ -56,35 +58,36 @@ std::string count_text(const HlodSide& side) {
       grouped(static_cast<double>(frame.stats.drawn_triangles)), side.tolerance_px, frame.times.frame_ms);
 }
 
-// Returns the height that the tag takes, with the margin above it.
-float draw_recording(const Session& session, const Layout& layout, float margin) {
+// Returns whether there is a recording to tell of.
+bool draw_recording(const Session& session, const Layout& layout, float margin) {
   const Recording& recording = session.state().recording;
-  if (recording.path.empty()) return 0.0F;
+  if (recording.path.empty()) return false;
   ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.95F, 0.40F, 0.36F, 1.0F));
   draw_tag("recording", layout.view,
            fmt::format("Recording {}: {} keys; R stops", recording.path, recording.keys.keys.size()), margin);
   ImGui::PopStyleColor();
-  return ImGui::GetFrameHeight() + margin;
+  return true;
 }
 
-// Tells of a tolerance that was raised.
-float draw_limit(const Session& session, const Layout& layout, float margin) {
+// Returns whether the tolerance was raised, and tells of it.
+bool draw_limit(const Session& session, const Layout& layout, float margin) {
   const HlodSettings& hlod = session.state().settings.hlod;
   const auto& frame = session.frame();
-  if (!frame || frame->hlod_sides.size() != 1) return 0.0F;
+  if (!frame || frame->hlod_sides.size() != 1) return false;
   const double used = frame->hlod_sides[0].tolerance_px;
-  if (used <= hlod.traverse.tolerance_px || hlod.most_triangles == 0) return 0.0F;
+  if (used <= hlod.traverse.tolerance_px || hlod.most_triangles == 0) return false;
   draw_tag("limit", layout.view,
            fmt::format("Drawn at {:.3g} px instead of {:.3g} px: {} triangles at most", used,
                        hlod.traverse.tolerance_px, grouped(static_cast<double>(hlod.most_triangles))),
            margin);
-  return ImGui::GetFrameHeight() + margin;
+  return true;
 }
 
 void draw_tags(const Session& session, const Layout& layout, float margin) {
   const Settings& settings = session.state().settings;
-  margin += draw_recording(session, layout, margin);
-  margin += draw_limit(session, layout, margin);
+  const float first = margin;
+  if (draw_recording(session, layout, margin)) margin += tag_height() + first;
+  if (draw_limit(session, layout, margin)) margin += tag_height() + first;
   if (settings.compare && layout.pictures.size() == 2 && session.frame() && session.frame()->sides.size() == 2) {
     const std::string name = "occlusion " + find_setting("occlusion")->get(settings).get<std::string>();
     const bool walks = session.frame()->cells != nullptr;

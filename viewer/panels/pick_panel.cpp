@@ -89,7 +89,7 @@ void draw_selected(Panels& panels, const Layout& layout) {
   ImGui::SetNextWindowPos(ImVec2(layout.view.high.x - margin, layout.view.high.y - margin), ImGuiCond_Appearing,
                           ImVec2(1.0F, 1.0F));
   ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0.0F), ImVec2(width, layout.view.height() - 2.0F * margin));
-  ImGui::SetNextWindowBgAlpha(0.9F);
+  ImGui::SetNextWindowBgAlpha(0.97F);
   bool open = true;
   if (ImGui::Begin(
           (selected->name + "###selected").c_str(), &open,
