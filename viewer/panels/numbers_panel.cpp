@@ -233,6 +233,7 @@ void draw_numbers(Panels& panels, const Area& area) {
   ImGui::SameLine(0.0F, 20.0F * panels.scale);
   ImGui::BeginGroup();
   const float right = area.high.x - 10.0F * panels.scale;
+  if (right - ImGui::GetCursorScreenPos().x < 100.0F * panels.scale) return ImGui::EndGroup();  // no room for a graph
   draw_times(records.back(), !frame->hlod_sides.empty(), right);
   const Area graph{ImGui::GetCursorScreenPos(),
                    ImVec2(right, area.high.y - 4.0F * panels.scale - ImGui::GetTextLineHeight())};
