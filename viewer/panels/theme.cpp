@@ -52,6 +52,7 @@ void set_surfaces() {
   color(ImGuiCol_TitleBgActive, 0.170F, 0.190F, 0.220F);
   color(ImGuiCol_ScrollbarBg, 0.0F, 0.0F, 0.0F, 0.0F);
   color(ImGuiCol_Separator, 0.25F, 0.28F, 0.32F);
+  color(ImGuiCol_ModalWindowDimBg, 0.0F, 0.0F, 0.0F, 0.4F);
 }
 
 void set_accents() {
