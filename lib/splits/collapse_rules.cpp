@@ -93,16 +93,23 @@ bool has_inserted_star(const StarMesh& mesh, const SplitStar& star) {
 }
 
 bool keeps_topology(const StarMesh& mesh, const VertexRing& ring, std::size_t i) {
+  return ring.movable() && keeps_surface(mesh, ring, i);
+}
+
+bool keeps_surface(const StarMesh& mesh, const VertexRing& ring, std::size_t i) {
   const VertexId v = ring.vertex();
   const VertexId u = ring.neighbours()[i];
-  if (!ring.movable() || (ring.on_feature() && ring.degree(i) == 2)) return false;
+  if (ring.movable() && ring.on_feature() && ring.degree(i) == 2) return false;
   for (std::size_t k = 0; k < ring.neighbours().size(); ++k) {
     const VertexId w = ring.neighbours()[k];
     if (w == u) continue;
     const int degree_uw = mesh.edge_degree(u, w);
     if (degree_uw == 0) continue;
-    // A vertex in both links must also be in the link of the edge, and the edges to it must not both be feature edges.
-    if (!has_face(mesh, v, u, w) || (degree_uw != 2 && ring.degree(k) != 2)) return false;
+    // A vertex in both links must also be in the link of the edge.
+    if (!has_face(mesh, v, u, w)) return false;
+    // The edges to it must not both be feature edges; where surfaces touch, one of them must keep a face.
+    const bool both = degree_uw != 2 && ring.degree(k) != 2, none_left = degree_uw == 1 && ring.degree(k) == 1;
+    if (ring.movable() ? both : none_left) return false;
   }
   // The links must share no edge, so that no moved face meets an old one.
   for (const StarFace& f : ring.faces())

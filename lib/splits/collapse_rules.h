@@ -30,7 +30,7 @@ class VertexRing {
   // Returns the number of different faces at the edge from v to neighbour i.
   [[nodiscard]] int degree(std::size_t i) const noexcept { return degrees_[i]; }
   // Returns false when v is a non-manifold corner: it has several fans, or feature edges (those without exactly two
-  // faces) that do not pass through v as one line of constant degree. No collapse of such a vertex keeps the topology.
+  // faces) that do not pass through v as one line of constant degree.
   [[nodiscard]] bool movable() const noexcept { return movable_; }
   // Returns true when v lies on a line of feature edges; it may then move only along that line.
   [[nodiscard]] bool on_feature() const noexcept { return on_feature_; }
@@ -55,6 +55,10 @@ class VertexRing {
 // both ends meet only in the link of the edge, where feature edges are coned to an extra vertex. The result is then
 // homeomorphic to the mesh before.
 [[nodiscard]] bool keeps_topology(const StarMesh& mesh, const VertexRing& ring, std::size_t i);
+
+// The same, but a vertex that is not movable, where surfaces touch, may move as well if nothing is lost: no face is
+// folded onto another, and no edge is left without a face. Sliding v to u then covers the result.
+[[nodiscard]] bool keeps_surface(const StarMesh& mesh, const VertexRing& ring, std::size_t i);
 
 // Returns true iff no face that moves when v is merged into u turns by more than about 75 degrees or degenerates. Faces
 // that had no area before are not tested.

@@ -234,7 +234,7 @@ CollapseWorker::Choice CollapseWorker::choose_in_ring() {
   Choice best{no_id, infinity, true};
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     const float c = state_.cost(v, neighbours[i]);
-    if (c < best.cost && keeps_topology(state_.mesh, ring_, i) &&
+    if (c < best.cost && keeps_surface(state_.mesh, ring_, i) &&
         keeps_orientation(state_.mesh, state_.positions(), v, neighbours[i]))
       best = {neighbours[i], c, true, i};
   }
@@ -267,9 +267,9 @@ CollapseWorker::Choice CollapseWorker::choose_with_attributes(std::span<const Ve
     if (!(cost < best.cost)) break;
     *cheapest = infinity;
     const auto i = static_cast<std::size_t>(cheapest - costs.begin());
-    const bool is_allowed = is_fan ? fan_.keeps_orientation(i) && fan_.keeps_topology(state_.mesh, i)
-                                   : keeps_topology(state_.mesh, ring_, i) &&
-                                         keeps_orientation(state_.mesh, state_.positions(), v, ring[i]);
+    const bool is_allowed =
+        is_fan ? fan_.keeps_orientation(i) && fan_.keeps_topology(state_.mesh, i)
+               : keeps_surface(state_.mesh, ring_, i) && keeps_orientation(state_.mesh, state_.positions(), v, ring[i]);
     if (!is_allowed) continue;
     const float total = cost + weight * attributes_.choose(ring[i]);
     ++evaluated;

@@ -285,17 +285,32 @@ class ForwardPass {
   }
 
   // Assigns the orphans to vertex u, at an ear of a boundary or where two faces cancel out: u exists as long as nothing
-  // removes it. Where u has no face left, its component has vanished, and the cells with it.
+  // removes it. Where u has no face left, another corner of the ended faces takes over, since what vanishes may hang by
+  // that corner. Where none has a face, the component has vanished, and the cells with it.
   float hand_to_vertex(CollapseIndex c) {
-    const VertexId u = levels_.collapse(c).u;
     float error = levels_.collapse(c).moved;
-    if (faces_at_[u] == 0) return error;
+    const VertexId u = corner_left(c);
+    if (u == no_id) return error;
     const glm::vec3& p = mesh_.positions[u];
     for (const SampleId s : orphans_) {
       push(charge_of_vertex_[u], s);
       error = std::max(error, (glm::distance(samples_.point(s), p) + samples_.radius(s)) * round_up);
     }
     return error;
+  }
+
+  // Returns u, or the corner of an ended face that is nearest to it and has faces; no_id when none has.
+  [[nodiscard]] VertexId corner_left(CollapseIndex c) const {
+    const VertexId u = levels_.collapse(c).u;
+    if (faces_at_[u] > 0) return u;
+    VertexId nearest = no_id;
+    const auto distance = [&](VertexId w) { return glm::distance(mesh_.positions[w], mesh_.positions[u]); };
+    for (FaceId f = levels_.first_ended(c); f < levels_.first_ended(c + 1); ++f)
+      for (int k = 0; k < 3; ++k)
+        if (const VertexId w = levels_.corners(f)[k];
+            faces_at_[w] > 0 && (nearest == no_id || distance(w) < distance(nearest)))
+          nearest = w;
+    return nearest;
   }
 
   // Fills triangles_, and squares_ and chosen_ for each orphan.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every Markdown file: links that lead somewhere, lines of at most 100 columns, pages that an index lists."""
+"""Every Markdown file: links that lead somewhere, lines of at most 100 columns, pages that an index lists, commands of benchmarks that exist."""
 import pathlib
 import re
 import sys
@@ -87,6 +87,16 @@ class Markdown(unittest.TestCase):
     def test_benchmark_pages_are_short(self):
         lengths = {path.name: len(path.read_text(encoding="utf-8").split("\n")) - 1 for path in (ROOT / "docs" / "benchmarks").glob("*.md")}
         self.assertEqual({name: length for name, length in lengths.items() if length > MAX_BENCHMARK_LINES}, {})
+
+    def test_benchmark_pages_name_commands_that_exist(self):
+        build_files = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "bench").rglob("CMakeLists.txt"))
+        missing = []
+        for path in sorted((ROOT / "docs" / "benchmarks").glob("*.md")):
+            text = path.read_text(encoding="utf-8")
+            missing += [f"{path.name}: {script}" for script in re.findall(r"\bscripts/\w+\.(?:sh|py)\b", text) if not (ROOT / script).exists()]
+            missing += [f"{path.name}: {program}" for program in re.findall(r"`(bench_\w+)", text)
+                        if not re.search(rf"\({program}\s+[\w./]+\.cpp", build_files)]
+        self.assertEqual(missing, [])
 
 
 if __name__ == "__main__":

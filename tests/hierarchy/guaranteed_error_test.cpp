@@ -133,6 +133,21 @@ TEST(GuaranteedError, HoldsWhereSheetsMeetAndBordersCrumble) {
   expect_promise_kept(test::moebius(60), 6);
 }
 
+// Small thin triangles, each with its tip in a vertex of a sheet, collapse into their far edge and vanish long before
+// the sheet moves as far: their errors have to go on growing with it.
+TEST(GuaranteedError, HoldsWhereWhatVanishesHangsByACorner) {
+  TriangleMesh mesh = hills(12);
+  const auto vertices = static_cast<VertexId>(mesh.vertex_count());
+  for (VertexId v = 0; v < vertices; v += 3) {
+    const auto first = static_cast<VertexId>(mesh.vertex_count());
+    const glm::vec3 tip = mesh.positions[v];
+    const float height = v % 2 == 0 ? 0.06F : -0.06F;
+    mesh.positions.insert(mesh.positions.end(), {tip + glm::vec3(0, 0, height), tip + glm::vec3(0.001F, 0, height)});
+    mesh.triangles.emplace_back(v, first, first + 1);
+  }
+  expect_promise_kept(mesh, 8);
+}
+
 // One triangle is as large as hundreds of the others, one has no area.
 TEST(GuaranteedError, HoldsOnUnevenTriangles) {
   TriangleMesh mesh = hills(16);

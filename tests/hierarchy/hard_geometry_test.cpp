@@ -166,6 +166,17 @@ TEST(HardGeometry, SheetsThatLieThereTwiceSimplifyAsOne) {
     }
 }
 
+TEST(HardGeometry, SheetsThatTouchAtAPointSimplifyAsIfApart) {
+  // Two flat sheets, upright on each other, have one vertex in common, which may move along the line in both.
+  TriangleMesh mesh = test::grid(10, 10), upright = test::grid(10, 10);
+  for (glm::vec3& p : upright.positions) p = {0.5F + 0.875F * (p.x - 0.5F), 0.5F, p.y - 0.5F};
+  test::append(mesh, upright, {});
+  mesh = cleaned(mesh);
+  ASSERT_EQ(topology_of(mesh).nonmanifold_vertices, 1U);
+  const Hierarchy hierarchy = build_soundly(mesh, 8);
+  EXPECT_LT(hierarchy.error_bound(), 1e-4F);
+}
+
 TEST(HardGeometry, ThreeSheetsAtOneLine) {
   // Flat sheets that meet at a line of edges of three triangles each: two triangles a sheet are exact, and the line is
   // held like a boundary, so that 6 triangles are reached without error.
@@ -185,8 +196,7 @@ TEST(HardGeometry, ThreeSheetsAtOneLine) {
 }
 
 TEST(HardGeometry, ChainOfTetrahedraThatTouch) {
-  // Every link is a vertex of two fans: non-manifold, so it stays until collapses that break the topology have their
-  // turn.
+  // Every link is a vertex of two fans.
   TriangleMesh mesh;
   for (int i = 0; i < 200; ++i) test::append(mesh, test::tetrahedron(), glm::vec3(static_cast<float>(i), 0, 0));
   mesh = cleaned(mesh);
