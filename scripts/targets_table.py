@@ -55,7 +55,7 @@ SPEED = (
     ("million_level_10", "1 M triangles from scratch, planet of level 10, two threads", "present, 2 threads", 0.38),
     ("million_planet_full", "budget of 1 M from scratch, planet_full, one thread", "present", 0.6),
     ("million_planet_full", "budget of 1 M from scratch, planet_full, two threads", "present, 2 threads", 0.38))
-# Of these the triangles may differ from those before: refinement visits bands of nodes (docs/decisions), and frames start from there. Where the
+# Of these the triangles may differ from those before: refinement visits bands of nodes (docs/internals/decisions.md), and frames start from there. Where the
 # budget holds the whole mesh, and in built files, nothing may.
 CHANGED_ON_PURPOSE = {"star_software", "subtree_software", "star", "frames_3_degrees", "frames_1_degree", "million_level_10", "pictures"}
 

@@ -49,8 +49,9 @@ class Markdown(unittest.TestCase):
                     continue
                 file, _, anchor = link.partition("#")
                 target = (path.parent / file).resolve() if file else path
-                is_heading = not anchor or (target.suffix == ".md" and anchor in anchors(target.read_text(encoding="utf-8")))
-                if not target.exists() or not is_heading:
+                is_heading = target.exists() and (
+                    not anchor or (target.suffix == ".md" and anchor in anchors(target.read_text(encoding="utf-8"))))
+                if not is_heading:
                     broken.append(f"{path.relative_to(ROOT)}: {link}")
         self.assertEqual(broken, [])
 

@@ -99,7 +99,7 @@ struct FixedCut {
 [[nodiscard]] TriangleMesh cut_mesh(const Hierarchy& hierarchy, const FixedCut& cut);
 
 // Version of .olod files with an origin; others have version 3, or 2 without texture coordinates, materials and seams.
-// An .olod file holds a hierarchy as versioned, checksummed sections; docs/guide/file_format.md describes the layout.
+// An .olod file holds a hierarchy as versioned, checksummed sections; docs/internals/formats.md describes the layout.
 inline constexpr std::uint32_t olod_version = 4;
 
 // How the arrays of a file are stored.

@@ -62,7 +62,7 @@ struct HlodBuildOptions {
 
 // A node's mesh with its first splits applied. It may be drawn in place of the node when all the node's parents are
 // refined, or else not drawn and out of sight: it has no patches. Whatever its neighbours are drawn with, no gap opens
-// where borders are locked (docs/decisions/029-cuts_within_nodes.md).
+// where borders are locked (docs/internals/decisions.md#29-cuts-within-nodes).
 struct NodeCut {
   std::uint32_t splits = 0;            // how many; 0: the node's mesh as it is
   std::vector<std::uint16_t> indices;  // three for each triangle: into NodeMesh::positions, then NodeSplits::positions
