@@ -8,6 +8,8 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MAX_COLUMNS = 100
 MAX_BENCHMARK_LINES = 150
+MAX_README_LINES = 120
+MAX_WORDS = 40_000  # over all documents
 SOURCES = ("bench", "cmake", "python", "examples", "lib", "scripts", "tests", "tools", "viewer", "packaging")
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")
@@ -97,6 +99,11 @@ class Markdown(unittest.TestCase):
             missing += [f"{path.name}: {program}" for program in re.findall(r"`(bench_\w+)", text)
                         if not re.search(rf"\({program}\s+[\w./]+\.cpp", build_files)]
         self.assertEqual(missing, [])
+
+    def test_documents_stay_short(self):
+        self.assertLessEqual(len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()), MAX_README_LINES)
+        words = sum(len(path.read_text(encoding="utf-8").split()) for path in markdown_files())
+        self.assertLessEqual(words, MAX_WORDS)
 
 
 if __name__ == "__main__":
