@@ -22,6 +22,7 @@
 #include "hlod/build/level_draft.h"
 #include "hlod/build/simplify_nodes.h"
 #include "mesh/mesh_report.h"
+#include "mesh/stream_mesh.h"
 #include "occlod/base.h"
 #include "occlod/build_hlod.h"
 #include "occlod/mesh.h"
@@ -57,6 +58,7 @@ class PieceCollector final : public TriangleSink {
  private:
   class Welder;
 
+  // Appends a piece without extra wedges, whose vertices are in the order in which triangles first use them.
   void append(const TriangleMesh& piece);
 
   WedgeMesh raw_;  // a vertex per wedge of each piece; `triangles` only
@@ -116,7 +118,10 @@ void PieceCollector::add(const TriangleMesh& piece) {
   if (pieces_ == 0) raw_.origin = piece.origin;
   move_origin(cleaned.mesh, raw_.origin);
   add_counts_of_reading(pieces_read_, cleaned.report);
-  append(cleaned.mesh);
+  TriangleMesh in_order = PieceCutter(arrays_of(cleaned.mesh)).cut(0, cleaned.mesh.triangle_count());
+  in_order.materials = std::move(cleaned.mesh.materials);
+  in_order.textures = std::move(cleaned.mesh.textures);
+  append(in_order);
   ++pieces_;
 }
 
