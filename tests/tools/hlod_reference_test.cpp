@@ -83,7 +83,7 @@ TEST(HlodReference, ANodeThatIsHiddenWronglyCounts) {
       return sphere.hlod.node(a.node).sphere.center.y < sphere.hlod.node(b.node).sphere.center.y;
     });
     front.draws.erase(nearest);
-    EXPECT_GT(sphere.lost_px(front, view, tolerance_px), 100U) << tolerance_px << " px";
+    EXPECT_GT(sphere.lost_px(front, view, tolerance_px), 20U) << tolerance_px << " px";
   }
 }
 
