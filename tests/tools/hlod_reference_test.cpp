@@ -106,7 +106,9 @@ TEST(HlodReference, WhatVfcItselfLosesCounts) {
 // Nodes beyond the far plane are culled, and our rasteriser would draw those of the input.
 TEST(HlodReference, WhatIsBeyondTheFarPlaneDoesNotCount) {
   const Case city(generate("city", {{"blocks", 4}, {"facade_cells", 4}}));
-  const View view(camera_at({-60.0, -40.0, 90.0}, 170.0));
+  Camera camera = camera_at({-60.0, -40.0, 90.0}, 250.0);
+  camera.target = {120.0, 120.0, 0.0};  // 257 away
+  const View view(camera);
   for (const double tolerance_px : tolerances_px)
     EXPECT_EQ(city.lost_px(city.front(view, tolerance_px), view, tolerance_px), 0U) << tolerance_px << " px";
 }
