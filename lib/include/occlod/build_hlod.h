@@ -52,9 +52,9 @@ struct HlodBuildOptions {
 
 // Builds the same from a source that is read once, for meshes larger than memory: keep a MemoryLimit (occlod/base.h)
 // while this runs and while the result is written. Vertices of all pieces at one position become one, triangles with
-// two corners at one place and vertices without triangles go, as clean() has it; `report` is filled in but for
-// topology, which needs the mesh as a whole: those counts stay 0. The bytes are those of build_hlod() of the cleaned
-// mesh. Throws Error as above, for what pieces throw, and for 2^32 or more vertices or triangles.
+// two corners at one place and vertices without triangles go, as clean() has it; `report` is filled in as
+// clean() of the whole mesh does, with the counts of reading that the source tells. The bytes are those of build_hlod()
+// of the cleaned mesh. Throws Error as above, for what pieces throw, and for 2^32 or more vertices or triangles.
 [[nodiscard]] Hlod build_hlod(const TriangleSource& source, const HlodBuildOptions& options, MeshReport& report);
 
 // Refinement within nodes (Charalambos 2006, sec. 4.4): the mesh of a node with some of its collapses undone, so that

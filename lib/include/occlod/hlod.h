@@ -32,8 +32,10 @@ class TriangleSink {
   // those before it, perhaps with more behind them, or none. All have the origin of the first piece, or are moved to
   // it. Throws Error as clean() does.
   virtual void add(const TriangleMesh& piece) = 0;
-  // Counts of what the source leaves out of its files; sinks that make no report ignore them.
-  virtual void add_left_out(const LeftOut& /*counts*/) {}
+  // What was counted when one of the objects that the pieces are cut from was read: polygons and vertices as its file
+  // has them, which pieces do not show, vertices that no triangle uses, and what was left out. A source tells it of
+  // each of its objects or of none; sinks that make no report ignore it.
+  virtual void add_counts(const MeshReport& /*of_object*/) {}
 };
 
 // Gives all its triangles to a sink, in pieces of a size that fits into memory, some hundred thousand triangles each.
