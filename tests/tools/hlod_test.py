@@ -258,6 +258,7 @@ class Hlod(ToolTest):
         self.assertIn("missing.ply: no such file", self.failure_of("hlod", "build", "missing.ply", "-o", "a.ohlod"))
         self.assertIn("is not an .ohlod file; make one with 'occlod hlod build'", self.failure_of("hlod", "info", "planet.ply"))
         self.assertIn("use 'occlod hlod info'", self.failure_of("info", "planet.ohlod"))
+        self.assertIn("use 'occlod cells info'", self.failure_of("info", "street.vlod"))
         whole = (self.folder / "planet.ohlod").read_bytes()
         (self.folder / "cut.ohlod").write_bytes(whole[: len(whole) // 2])
         for command in ("info", "validate"):

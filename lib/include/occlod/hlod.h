@@ -262,7 +262,8 @@ class Hlod {
 
 // Returns true iff the nodes of level 0 together are exactly the triangles of `mesh`, rounded to the HLOD's lattice and
 // cleaned if it has one: the same positions in the same rotational order, each as often, with the same material and, at
-// each corner, the same of those attributes that the mesh has, to the bit. O(n log n).
+// each corner, the same of those attributes that the mesh has, to the bit; v of another texture origin counts as 1 - v.
+// O(n log n).
 [[nodiscard]] bool restores(const Hlod& hlod, const TriangleMesh& mesh);
 
 // Tells the same of a source, whose pieces are read once: compares how many triangles there are, and sums of hashes
