@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -95,7 +96,8 @@ class Application::Gui {
     ImGui::DestroyContext();
   }
 
-  void begin(float scale) {
+  // Without a mouse nothing is hovered.
+  void begin(float scale, bool has_mouse) {
     if (scale != scale_) {
       if (scale_ > 0.0F) ImGui_ImplOpenGL3_DestroyFontsTexture();
       apply_theme(scale);
@@ -104,6 +106,7 @@ class Application::Gui {
     }
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
+    if (!has_mouse) ImGui::GetIO().MousePos = ImVec2(-FLT_MAX, -FLT_MAX);
     ImGui::NewFrame();
   }
 
@@ -191,7 +194,7 @@ bool Application::step() {
   const ImageSize pixels = window_->picture_size();
   if (pixels.width == 0 || pixels.height == 0) return !window_->wants_to_close();  // minimised
   panels_->scale = scale();
-  gui_->begin(panels_->scale);
+  gui_->begin(panels_->scale, !script_);
   const ImVec2 window_area(static_cast<float>(size.width), static_cast<float>(size.height));
   const Layout before_picture = lay_out(*session_, window_area, panels_->scale);
   input_.update(*panels_, before_picture, window_->held_keys(), seconds);

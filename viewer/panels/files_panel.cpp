@@ -81,7 +81,11 @@ void draw_files(Panels& panels) {
   panels.drawn.insert("forget_recent");
   ImGui::SameLine();
   draw_button(panels, "close_all", nlohmann::json::object(), nullptr, third);
+}
 
+void draw_output(Panels& panels) {
+  if (!begin_section(panels, "Files", false)) return;
+  const float third = (ImGui::GetContentRegionAvail().x - 2.0F * ImGui::GetStyle().ItemSpacing.x) / 3.0F;
   draw_setting(panels, "open_as");
   draw_button(panels, "save_scene", {{"file", panels.fields.save_scene}}, nullptr, third);
   ImGui::SameLine();

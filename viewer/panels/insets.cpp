@@ -67,10 +67,6 @@ void draw_tags(const Session& session, const Layout& layout, float margin) {
              session.frame()->hlod_sides.size() == 2) {
     draw_tag("left", layout.pictures[0], count_text(session.frame()->hlod_sides[0]), margin);
     draw_tag("right", layout.pictures[1], count_text(session.frame()->hlod_sides[1]), margin);
-  } else if (session.state().objects->empty() && !session.loader().busy()) {
-    draw_tag("empty", layout.view,
-             "Drop a mesh, a hierarchy or a scene here, or open one with Ctrl + O. F1 lists keys and mouse actions.",
-             margin);
   } else if (settings.freeze) {
     const bool walks = session.frame() && session.frame()->cells;
     draw_tag("frozen", layout.view, walks ? "The cell is frozen (Z)" : "Refinement is frozen (Z)", margin);

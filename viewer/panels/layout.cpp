@@ -36,6 +36,7 @@ void begin_fixed(const char* name, const Area& area) {
 void draw_sidebar(Panels& panels, const Area& area) {
   begin_fixed("sidebar", area);
   draw_files(panels);
+  draw_first(panels);
   draw_objects(panels);
   draw_pick(panels);
   draw_auto(panels);
@@ -47,6 +48,7 @@ void draw_sidebar(Panels& panels, const Area& area) {
   draw_look(panels);
   draw_camera(panels);
   draw_paths(panels);
+  draw_output(panels);
   draw_window_settings(panels);
   ImGui::End();
 }
@@ -95,6 +97,7 @@ void draw_panels(Panels& panels, const Layout& layout, const std::vector<ImTextu
   draw_insets(panels, layout);
   draw_legend(panels, layout);
   draw_messages(panels, layout);
+  draw_start(panels, layout);
   draw_open_dialogue(panels, layout);
   draw_help(panels, layout);
 }

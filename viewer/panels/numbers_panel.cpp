@@ -28,8 +28,10 @@ constexpr std::array<Part, 4> parts = {
 void draw_cell(const char* name, const std::string& value) {
   ImGui::TableNextColumn();
   ImGui::TextDisabled("%s", name);
+  draw_help_of_item(help_of_number(name));
   ImGui::TableNextColumn();
   ImGui::TextUnformatted(value.c_str());
+  draw_help_of_item(help_of_number(name));
 }
 
 std::string share(std::size_t part, std::size_t whole) {
@@ -51,9 +53,10 @@ void draw_table(const PictureRecord& last, const Session& session) {
                                                                    : std::string("not counted"));
   // From frame to frame they are counted for the last mesh only.
   draw_cell("forced", share(last.forced_splits, session.frame()->sides[0].refinement.stats.new_splits));
-  draw_cell("largest error", pixels(last.max_error_px));
+  // The quadric error comes first: it is about what is seen, and its bound often many times as much.
+  draw_cell("largest error", pixels(last.max_quadric_error_px));
+  draw_cell("its bound", pixels(last.max_error_px));
   draw_cell("queries", grouped(static_cast<double>(last.queries)));
-  draw_cell("memory", grouped(last.memory_mb) + " MB");
   draw_cell("hidden", share(last.queries_hidden, last.queries));
   draw_cell("split, merged",
             fmt::format("{}, {}{}", grouped(static_cast<double>(last.new_splits)),
@@ -76,7 +79,7 @@ void draw_hlod_table(const PictureRecord& last, const hlod::Frame& frame) {
   draw_cell("stall", fmt::format("{:.2f} ms", frame.times.stall_ms));
   draw_cell("delayed (D)", share(stats.delayed, stats.drawn_nodes));
   draw_cell("wasted", share(stats.wasted_queries, stats.queries));
-  draw_cell("largest error", pixels(stats.largest_sse_px));
+  draw_cell("largest node error", pixels(stats.largest_sse_px));
   draw_count("blocked", stats.blocked);
   draw_count("hidden", stats.hidden_nodes);
   draw_cell("front", fmt::format("{:016x}", last.hash));
@@ -91,7 +94,7 @@ void draw_cells_table(const PictureRecord& last, const CellsFrame& frame, const 
   draw_cell("visible", side.visible_triangles ? share(last.visible_triangles, walked.drawn_triangles)
                                               : std::string("not counted"));
   draw_cell("late frames", share(frame.late, frame.frames));
-  draw_cell("largest error", pixels(walked.error_px));
+  draw_cell("error bound", pixels(walked.error_px));
   draw_cell("crossings", grouped(static_cast<double>(frame.crossings)));
   draw_cell("memory", grouped(last.memory_mb) + " MB");
   draw_cell("of cells", fmt::format("{:.2f} MB", static_cast<double>(walked.resident_bytes) / 1e6));
@@ -139,6 +142,7 @@ void draw_times(const PictureRecord& last, bool is_hlod) {
     ImGui::Dummy(ImVec2(side, side));
     ImGui::SameLine();
     ImGui::Text("%s %.1f ms", is_hlod ? part.hlod_name : part.name, part.milliseconds(last));
+    draw_help_of_item(help_of_number(is_hlod ? part.hlod_name : part.name));
     ImGui::SameLine(0.0F, 16.0F);
   }
 }
@@ -165,6 +169,11 @@ void draw_numbers(Panels& panels, const Area& area) {
   ImGui::SameLine();
   ImGui::SetNextItemWidth(150.0F * panels.scale);
   ImGui::InputText("##csv", &panels.fields.csv);
+  if (!is_hlod && !frame->cells) {
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s MB", grouped(last.memory_mb).c_str());
+    draw_help_of_item(help_of_number("memory"));
+  }
   ImGui::EndGroup();
   ImGui::SameLine(0.0F, 20.0F * panels.scale);
   ImGui::BeginGroup();

@@ -71,6 +71,9 @@ void draw_panels(Panels& panels, const Layout& layout, const std::vector<ImTextu
 
 // Each of these draws one part, and has its own source.
 void draw_files(Panels& panels);
+void draw_output(Panels& panels);
+void draw_first(Panels& panels);
+void draw_start(Panels& panels, const Layout& layout);
 void draw_open_dialogue(Panels& panels, const Layout& layout);
 void draw_objects(Panels& panels);
 void draw_refinement(Panels& panels);

@@ -88,6 +88,7 @@ std::map<std::string, double> Session::figures() const {
   figures["queries_hidden"] = static_cast<double>(stats.queries_hidden);
   figures["occluder_draws"] = static_cast<double>(stats.occluder_draws);
   figures["max_error_px"] = stats.max_error_px;
+  figures["max_quadric_error_px"] = stats.max_quadric_error_px;
   figures["new_splits"] = static_cast<double>(stats.new_splits);
   figures["merged_splits"] = static_cast<double>(stats.merged_splits);
   figures["changed_triangles"] = static_cast<double>(stats.changed_triangles);

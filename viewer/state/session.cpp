@@ -61,6 +61,7 @@ void tell(PictureRecord& record, const RefinedSide& side, bool is_new) {
   record.queries = stats.queries;
   record.queries_hidden = stats.queries_hidden;
   record.max_error_px = stats.max_error_px;
+  record.max_quadric_error_px = stats.max_quadric_error_px;
 }
 
 // The times are those of the device, which may be simulated.
@@ -242,11 +243,7 @@ void Session::add(LoadedFile file) {
   for (const auto& [name, camera] : file.cameras) state_.bookmarks[name] = camera;
   for (const auto& [name, path] : file.paths) state_.paths[name] = path;
   if (!file.about.empty()) state_.about = file.about;
-  const auto path = std::filesystem::absolute(file.file);
-  if (is_scene_file(path)) files_.add_scene(path);
-  std::erase(state_.recent, path);
-  state_.recent.insert(state_.recent.begin(), path);
-  if (state_.recent.size() > most_recent) state_.recent.resize(most_recent);
+  if (!file.is_example) remember(std::filesystem::absolute(file.file));
   if (!first || state_.settings.freeze) return;
   if (const auto found = file.cameras.find("default"); found != file.cameras.end()) {
     state_.camera = found->second;
@@ -259,6 +256,14 @@ void Session::add(LoadedFile file) {
     fit_range(state_.camera, bounds);
   }
   set_view_size(view_size_);
+}
+
+// Lists a file that was opened among the recent ones.
+void Session::remember(const std::filesystem::path& file) {
+  if (is_scene_file(file)) files_.add_scene(file);
+  std::erase(state_.recent, file);
+  state_.recent.insert(state_.recent.begin(), file);
+  if (state_.recent.size() > most_recent) state_.recent.resize(most_recent);
 }
 
 // Shows each frame of a path: the next one comes when the mesh of this one was drawn and saved.

@@ -142,6 +142,7 @@ class Session {
  private:
   void take_loaded();
   void add(LoadedFile file);
+  void remember(const std::filesystem::path& file);
   void take_cells(std::shared_ptr<const ViewCells> cells);
   void go_on_playing();
   void go_on_recording(double seconds);
