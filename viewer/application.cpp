@@ -97,12 +97,13 @@ class Application::Gui {
   }
 
   // Without a mouse nothing is hovered.
-  void begin(float scale, bool has_mouse) {
-    if (scale != scale_) {
+  void begin(float scale, Theme theme, bool has_mouse) {
+    if (scale != scale_ || theme != theme_) {
       if (scale_ > 0.0F) ImGui_ImplOpenGL3_DestroyFontsTexture();
-      apply_theme(scale);
+      apply_theme(scale, theme);
       if (scale_ > 0.0F) ImGui_ImplOpenGL3_CreateFontsTexture();
       scale_ = scale;
+      theme_ = theme;
     }
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
@@ -112,6 +113,7 @@ class Application::Gui {
 
  private:
   float scale_ = 0.0F;
+  Theme theme_ = Theme::dark;
 };
 
 Application::Application(const ApplicationOptions& options) : options_(options) {
@@ -194,7 +196,7 @@ bool Application::step() {
   const ImageSize pixels = window_->picture_size();
   if (pixels.width == 0 || pixels.height == 0) return !window_->wants_to_close();  // minimised
   panels_->scale = scale();
-  gui_->begin(panels_->scale, !script_);
+  gui_->begin(panels_->scale, state.settings.window.theme, !script_);
   const ImVec2 window_area(static_cast<float>(size.width), static_cast<float>(size.height));
   const Layout before_picture = lay_out(*session_, window_area, panels_->scale);
   input_.update(*panels_, before_picture, window_->held_keys(), seconds);
@@ -251,6 +253,7 @@ void Application::draw_pictures(const Layout& layout) {
   drawings_->cost.uploaded_bytes = drawings_->scene.upload(session_->frame());
   drawings_->cost.upload_ms = ms_since(start);
   drawings_->timer.begin();
+  drawings_->scene.set_clip_plane(clip_plane(state.settings.clip, *state.objects));
   std::vector<ImTextureID> pictures;
   for (std::size_t i = 0; i < layout.pictures.size(); ++i) {
     drawings_->scene.draw(*drawings_->sides[i], state.camera, i, state.settings.look, main_overlay(*session_, i));

@@ -105,6 +105,69 @@ TEST_F(Window, SmoothShadingStopsAtCreases) {
   }
 }
 
+// The right half of a square is clipped: there is the background, on the left the square is as it was, in every way of
+// drawing it.
+TEST_F(Window, TheClippingPlaneCutsOffOneSide) {
+  TriangleMesh square;
+  square.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  square.triangles = {{0, 1, 2}, {0, 2, 3}};
+  write_mesh(folder_.path("square.ply"), square);
+  start();
+  act({{"do", "close_all"}});
+  act({{"do", "picture_size"}, {"width", 80}, {"height", 60}});
+  const Image nothing = screenshot();
+  act({{"do", "open"}, {"file", folder_.path("square.ply").string()}});
+  act({{"do", "camera"}, {"eye", {0, 0, 3}}, {"target", {0, 0, 0}}, {"orthographic_height", 3}});
+  for (const bool wire : {false, true}) {
+    set("wire", wire);
+    const Image whole = screenshot();
+    set("clip_axis", "x");
+    const Image half = screenshot();
+    set("clip_axis", "none");
+    const auto left = static_cast<std::size_t>(80 * 20 + 30), right = left + 20;
+    EXPECT_EQ(half.pixels[left], whole.pixels[left]);
+    EXPECT_NE(half.pixels[left], nothing.pixels[left]);
+    EXPECT_EQ(half.pixels[right], nothing.pixels[right]);
+    EXPECT_NE(whole.pixels[right], nothing.pixels[right]);
+  }
+}
+
+// Both ends and the line between them are drawn over the mesh, and the panels say how long it is.
+TEST_F(Window, ADistanceIsDrawn) {
+  start();
+  act({{"do", "go_to"}, {"name", "far"}});
+  const Image before = screenshot();
+  act({{"do", "measure"}, {"x", 0.45}, {"y", 0.5}});
+  act({{"do", "measure"}, {"x", 0.55}, {"y", 0.5}});
+  EXPECT_NE(difference(screenshot(), before), "");
+}
+
+// The light theme and each plot are pictures of their own.
+TEST_F(Window, ThemesAndPlots) {
+  start();
+  const auto window = [&] {
+    act({{"do", "screenshot"}, {"file", folder_.path("window.png").string()}, {"panels", true}});
+    return read_png(folder_.path("window.png"));
+  };
+  const auto mean_of_sidebar = [](const Image& image) {
+    double sum = 0.0;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < 300; ++x) sum += image.pixels[static_cast<std::size_t>(y * image.width + x)].x;
+    return sum / (300.0 * image.height);
+  };
+  EXPECT_LT(mean_of_sidebar(window()), 80.0);
+  set("theme", "light");
+  EXPECT_GT(mean_of_sidebar(window()), 180.0);
+  set("theme", "dark");
+  std::vector<Image> pictures;
+  for (const char* plot : {"times", "triangles", "visible", "error"}) {
+    set("plot", plot);
+    const Image picture = window();
+    for (const Image& other : pictures) EXPECT_NE(difference(picture, other), "") << plot;
+    pictures.push_back(picture);
+  }
+}
+
 TEST_F(Window, EveryWayOfLookingDrawsWithoutAComplaint) {
   start();
   for (const char* shading : {"smooth", "flat"})

@@ -95,6 +95,10 @@ void draw_output(Panels& panels) {
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-1.0F);
   ImGui::InputText("##screenshot", &panels.fields.screenshot);
+  draw_button(panels, "export_mesh", {{"file", panels.fields.mesh}}, nullptr, third);
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1.0F);
+  ImGui::InputText("##mesh", &panels.fields.mesh);
 }
 
 void draw_open_dialogue(Panels& panels, const Layout& layout) {

@@ -17,7 +17,8 @@ void draw_first(Panels& panels) {
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * 0.5F);
   draw_setting(panels, "compare");
   const State& state = panels.session.state();
-  if (state.settings.compare && are_hlods(*state.objects)) draw_setting(panels, "other_strategy");
+  if (state.settings.compare) draw_setting(panels, are_hlods(*state.objects) ? "other_strategy" : "beside");
+  if (state.settings.freeze) draw_button(panels, "to_frozen", nlohmann::json::object(), nullptr, -1.0F);
 }
 
 }  // namespace occlod::viewer

@@ -3,6 +3,7 @@
 
 #include "controls.h"
 #include "panels.h"
+#include "theme.h"
 
 namespace occlod::viewer {
 namespace {
@@ -25,7 +26,7 @@ void draw_progress(Panels& panels, const LoadProgress& progress) {
 }
 
 void draw_notice(const Notice& notice, float width) {
-  if (notice.is_error) ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.95F, 0.55F, 0.48F, 1.0F));
+  if (notice.is_error) ImGui::PushStyleColor(ImGuiCol_Text, error_color_of_text());
   ImGui::PushTextWrapPos(width);
   ImGui::TextUnformatted(notice.text.c_str());
   ImGui::PopTextWrapPos();

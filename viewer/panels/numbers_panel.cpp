@@ -9,6 +9,7 @@
 
 #include "controls.h"
 #include "panels.h"
+#include "plots.h"
 
 namespace occlod::viewer {
 namespace {
@@ -183,7 +184,16 @@ void draw_numbers(Panels& panels, const Area& area) {
   const Area graph{low, ImVec2(area.high.x - 10.0F * panels.scale, area.high.y - 8.0F * panels.scale)};
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(graph.low, graph.high, ImGui::GetColorU32(ImGuiCol_FrameBg), 3.0F);
-  if (graph.width() > 20.0F && graph.height() > 10.0F) draw_bars(list, graph, records, 3.0F * panels.scale);
+  if (graph.width() > 20.0F && graph.height() > 10.0F) {
+    const Plot plot = panels.session.state().settings.window.plot;
+    if (plot == Plot::times)
+      draw_bars(list, graph, records, 3.0F * panels.scale);
+    else
+      draw_plot(list, graph, records, plot, 3.0F * panels.scale);
+    if (ImGui::InvisibleButton("graph", ImVec2(graph.width(), graph.height())))
+      panels.perform("flip", {{"setting", "plot"}});
+    draw_help_of_item("Click to see triangles, the visible share, the largest error, or times again");
+  }
   ImGui::EndGroup();
 }
 

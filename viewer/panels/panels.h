@@ -40,6 +40,7 @@ struct Fields {
   std::string open_file;
   std::string save_scene = "scene.json";
   std::string screenshot = "occlod-view.png";
+  std::string mesh = "occlod-view.ply";
   std::string csv = "occlod-view.csv";
   std::string bookmark = "view 1";
   std::string path = "path 1";
@@ -82,6 +83,8 @@ void draw_cells(Panels& panels);
 void draw_auto(Panels& panels);
 void draw_look(Panels& panels);
 void draw_pick(Panels& panels);
+void draw_study(Panels& panels);
+void draw_distance(const Session& session, const Layout& layout);
 void draw_camera(Panels& panels);
 void draw_paths(Panels& panels);
 void draw_window_settings(Panels& panels);

@@ -34,6 +34,7 @@ void draw_settings(Panels& panels, std::span<const Setting> settings) {
 void draw_refinement(Panels& panels) {
   if (!begin_section(panels, "Refinement", false)) return;
   draw_settings(panels, later_settings(refine_settings()));
+  if (!panels.session.state().settings.compare) draw_setting(panels, "beside");
 }
 
 void draw_look(Panels& panels) {

@@ -1,4 +1,5 @@
 // Lists the numbers that scripts check, by name.
+#include <glm/geometric.hpp>
 #include <map>
 #include <string>
 
@@ -71,6 +72,7 @@ std::map<std::string, double> Session::figures() const {
                                            {"errors", static_cast<double>(state_.errors)},
                                            {"picked", state_.pick ? 1.0 : 0.0},
                                            {"memory_mb", resident_memory_mb()}};
+  if (state_.measured.size() == 2) figures["distance"] = glm::distance(state_.measured[0], state_.measured[1]);
   if (frame_ && !frame_->hlod_sides.empty()) add_figures(figures, *frame_);
   if (frame_ && frame_->cells) add_figures(figures, *frame_->cells);
   if (!frame_ || frame_->sides.empty()) return figures;

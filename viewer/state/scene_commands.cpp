@@ -77,6 +77,7 @@ void close_all(Session& session, const JsonPlace&) {
   state.cells.reset();
   state.selected = 0;
   state.pick.reset();
+  state.measured.clear();
   state.bookmarks.clear();
   state.paths.clear();
   state.playback = {};

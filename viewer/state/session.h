@@ -82,6 +82,7 @@ struct State {
   std::optional<ImageSize> fixed_size;  // of the picture, replaces the window's
   Camera frozen;                        // what is refined for while settings.freeze
   std::optional<Pick> pick;
+  std::vector<glm::dvec3> measured;  // ends of the distance that is measured, world space: at most two
   Playback playback;
   Recording recording;
   double walking_height = 0.0;  // of the eye above the ground; 0: not known yet

@@ -23,8 +23,8 @@ std::size_t choice_in(const std::vector<const char*>& choices, const JsonPlace& 
 
 std::vector<const Setting*> all_settings() {
   std::vector<const Setting*> all;
-  for (const auto& group :
-       {refine_settings(), hlod_settings(), cells_settings(), look_settings(), camera_settings(), window_settings()})
+  for (const auto& group : {refine_settings(), hlod_settings(), cells_settings(), look_settings(), study_settings(),
+                            camera_settings(), window_settings()})
     for (const Setting& setting : group) all.push_back(&setting);
   return all;
 }
