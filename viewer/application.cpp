@@ -13,6 +13,7 @@
 #include <cstdlib>
 
 #include "backend.h"
+#include "draw/image_drawing.h"
 #include "draw/overlays.h"
 #include "draw/render_target.h"
 #include "hlod_device.h"
@@ -68,12 +69,13 @@ Image side_by_side(const Image& left, const Image& right) {
 }  // namespace
 
 struct Application::Drawings {
-  explicit Drawings(const gl::Functions& gl) : scene(gl), depth(gl), birdseye(gl), timer(gl) {
+  explicit Drawings(const gl::Functions& gl) : scene(gl), depth(gl), difference(gl), birdseye(gl), timer(gl) {
     for (int i = 0; i < 2; ++i) sides.push_back(std::make_unique<RenderTarget>(gl));
   }
 
   SceneDrawing scene;
   DepthTexture depth;
+  ImageDrawing difference;
   std::vector<std::unique_ptr<RenderTarget>> sides;
   RenderTarget birdseye;
   GpuTimer timer;
@@ -256,7 +258,12 @@ void Application::draw_pictures(const Layout& layout) {
   drawings_->scene.set_clip_plane(clip_plane(state.settings.clip, *state.objects));
   std::vector<ImTextureID> pictures;
   for (std::size_t i = 0; i < layout.pictures.size(); ++i) {
-    drawings_->scene.draw(*drawings_->sides[i], state.camera, i, state.settings.look, main_overlay(*session_, i));
+    const auto& frame = session_->frame();
+    if (frame && i < frame->sides.size() && frame->sides[i].difference)
+      drawings_->difference.draw(*drawings_->sides[i], state.camera.width, state.camera.height,
+                                 frame->sides[i].difference);
+    else
+      drawings_->scene.draw(*drawings_->sides[i], state.camera, i, state.settings.look, main_overlay(*session_, i));
     pictures.push_back(texture_id(drawings_->sides[i]->texture()));
   }
   draw_insets();

@@ -9,6 +9,7 @@
 
 #include "occlod/base.h"
 #include "occlod/mesh_file.h"
+#include "palette.h"
 #include "viewer/support.h"
 
 namespace occlod::viewer::test {
@@ -141,6 +142,44 @@ TEST_F(Study, MeasuresWorldUnits) {
   EXPECT_FALSE(session_.figures().contains("distance"));
   act(session_, {{"do", "unmeasure"}});
   EXPECT_TRUE(session_.state().measured.empty());
+}
+
+// A budget that suffices for everything differs from the full mesh nowhere; the base mesh does, by more than a tenth of
+// a pixel, and less is left the more triangles there are.
+TEST_F(Study, TheFullMeshAndTheDifferenceStandBeside) {
+  open_planet();
+  const auto set = [&](const char* setting, const json& value) {
+    act(session_, {{"do", "set"}, {"setting", setting}, {"value", value}});
+  };
+  act(session_, {{"do", "picture_size"}, {"width", 160}, {"height", 120}});
+  set("compare", true);
+  EXPECT_TRUE(session_.figures().contains("visible_triangles_without"));
+  set("beside", "full");
+  EXPECT_EQ(session_.figures().at("full_triangles"), 8.0 * 1024.0);
+  EXPECT_EQ(session_.frame()->sides[1].refinement.objects[0].triangles.size(), 8U * 1024U);
+  set("beside", "difference");
+  std::vector<double> rms;
+  for (const int budget : {1000, 3000, 20'000}) {
+    set("budget", budget);
+    rms.push_back(session_.figures().at("depth_rms_px"));
+    const Image& image = session_.frame()->sides[1].difference->image;
+    EXPECT_EQ(image.width, 160);
+    EXPECT_EQ(image.height, 120);
+    EXPECT_EQ(image.pixels[0], no_surface_color);
+    EXPECT_NE(image.pixels[60 * 160 + 80], no_surface_color);
+  }
+  EXPECT_GT(rms[0], rms[1]);
+  EXPECT_GT(rms[1], 0.0);
+  set("tolerance", 0.0);
+  set("occlusion", "none");
+  act(session_, {{"do", "orbit"}, {"right", 30}, {"up", 10}});  // from another eye it is drawn anew
+  EXPECT_LT(session_.figures().at("depth_rms_px"), rms[1]);
+  // Hidden objects are in neither.
+  act(session_, {{"do", "open"}, {"file", folder_.write("other.json", planet_scene(3)).string()}});
+  EXPECT_EQ(session_.figures().at("full_triangles"), 8.0 * 1024.0 + 8.0 * 64.0);
+  act(session_, {{"do", "show"}, {"object", session_.state().objects->at(0).id}, {"shown", false}});
+  EXPECT_EQ(session_.figures().at("full_triangles"), 8.0 * 64.0);
+  EXPECT_EQ(session_.state().errors, 0);
 }
 
 TEST_F(Study, WhatIsClippedCannotBePicked) {

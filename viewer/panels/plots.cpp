@@ -55,10 +55,15 @@ double round_up(double value) {
 }  // namespace
 
 void draw_plot(ImDrawList& list, const Area& area, const std::deque<PictureRecord>& records, Plot plot, float step) {
-  const auto count = std::min(records.size(), static_cast<std::size_t>(area.width() / step));
-  const std::size_t first = records.size() - count;
+  const auto last = std::find_if(records.rbegin(), records.rend(),
+                                 [&](const PictureRecord& r) { return std::isfinite(value_of(r, plot)); });
+  if (last == records.rend()) return;
+  // Labels have a column of their own, as wide as the widest of them.
+  const std::string now = "now " + text_of(value_of(*last, plot), plot);
+  const float left = area.low.x + 12.0F + std::max(ImGui::CalcTextSize(now.c_str()).x, 80.0F);
+  const auto count = std::min(records.size(), static_cast<std::size_t>(std::max(area.high.x - left, 0.0F) / step));
   std::vector<double> values;
-  for (std::size_t i = first; i < records.size(); ++i)
+  for (std::size_t i = records.size() - count; i < records.size(); ++i)
     if (const double value = value_of(records[i], plot); std::isfinite(value)) values.push_back(value);
   if (values.empty()) return;
   const double top = plot == Plot::visible ? 100.0 : round_up(*std::max_element(values.begin(), values.end()));
@@ -70,14 +75,18 @@ void draw_plot(ImDrawList& list, const Area& area, const std::deque<PictureRecor
     line.emplace_back(x, line.back().y);
   }
   const ImU32 grid = ImGui::GetColorU32(ImGuiCol_Border), label = ImGui::GetColorU32(ImGuiCol_TextDisabled);
-  const float middle = (area.low.y + area.high.y) / 2.0F;
-  list.AddLine(ImVec2(area.low.x, middle), ImVec2(area.high.x, middle), grid);
-  list.AddPolyline(line.data(), static_cast<int>(line.size()), IM_COL32(226, 164, 84, 255), ImDrawFlags_None, 2.0F);
   const float line_height = ImGui::GetTextLineHeight();
-  list.AddText(ImVec2(area.low.x + 4.0F, area.low.y + 2.0F), label, text_of(top, plot).c_str());
-  list.AddText(ImVec2(area.low.x + 4.0F, middle), label, text_of(top / 2.0, plot).c_str());
-  list.AddText(ImVec2(area.low.x + 4.0F, area.high.y - line_height - 2.0F), label,
-               fmt::format("0; last {} pictures, now {}", values.size(), text_of(values.back(), plot)).c_str());
+  const auto write = [&](float y, const std::string& text) {
+    list.AddText(ImVec2(area.low.x + 4.0F, y), label, text.c_str());
+  };
+  for (const float share : {0.0F, 0.5F, 1.0F}) {
+    const float y = area.high.y - share * area.height();
+    list.AddLine(ImVec2(left, y), ImVec2(area.high.x, y), grid);
+  }
+  list.AddPolyline(line.data(), static_cast<int>(line.size()), IM_COL32(226, 144, 54, 255), ImDrawFlags_None, 2.0F);
+  write(area.low.y, text_of(top, plot));
+  write((area.low.y + area.high.y - line_height) / 2.0F, now);
+  write(area.high.y - line_height, fmt::format("0, {} pictures", values.size()));
 }
 
 }  // namespace occlod::viewer

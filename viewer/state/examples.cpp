@@ -6,7 +6,7 @@ namespace occlod::viewer {
 namespace {
 
 constexpr std::array<Example, 4> all = {
-    {{"planet", "Rough planet", "A planet from a little above its ground: hills hide most of what lies behind them"},
+    {{"planet", "Rough planet", "A planet from a little above its ground: hills hide what lies behind them"},
      {"city", "City", "A street from the height of a person's eye: every house hides those behind it"},
      {"plant", "Plant", "Rooms full of pipes: walls hide them, and pipes hide each other"},
      {"city-hlod", "City as HLOD",
@@ -41,7 +41,7 @@ SceneDescription scene(GeneratedMesh mesh, CameraPath path, const char* path_nam
 SceneDescription planet() {
   const Lens lens{{0.0, 1.0, 0.0}, 0.005, 10.0};
   return scene({"rough-planet", {{"level", 8}}},
-               {{looking({0.0, 1.12, 0.0}, {0.0, 0.98, -0.4}, lens), looking({0.0, 1.1, -0.3}, {0.0, 0.9, -0.9}, lens),
+               {{looking({0.0, 1.35, 0.5}, {0.0, 0.95, -0.4}, lens), looking({0.0, 1.1, -0.3}, {0.0, 0.9, -0.9}, lens),
                  looking({0.0, 0.85, -0.8}, {0.0, 0.4, -1.2}, lens)},
                 240},
                "low flight");

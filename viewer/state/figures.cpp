@@ -104,8 +104,15 @@ std::map<std::string, double> Session::figures() const {
     figures["same_error_triangles"] = why->report.same_error_without.triangles;
     figures["same_error_ms"] = why->report.same_error_without.ms;
   }
-  if (frame_->sides.size() > 1)
-    figures["visible_triangles_without"] = static_cast<double>(frame_->sides[1].visible_triangles.value_or(0));
+  if (frame_->sides.size() < 2) return figures;
+  const RefinedSide& beside = frame_->sides[1];
+  if (frame_->job.beside == Beside::other)
+    figures["visible_triangles_without"] = static_cast<double>(beside.visible_triangles.value_or(0));
+  else
+    figures["full_triangles"] = static_cast<double>(beside.refinement.stats.triangles);
+  if (!beside.difference) return figures;
+  figures["depth_rms_px"] = beside.difference->rms_px;
+  figures["silhouette_mismatch"] = beside.difference->silhouette_mismatch;
   return figures;
 }
 

@@ -29,6 +29,7 @@ nlohmann::json key_of(const Camera& c) {
 nlohmann::json key_of(const RefineJob& job, const Settings& settings) {
   nlohmann::json key =
       nlohmann::json::array({key_of(job.camera), job.keep_occluder, job.keep_seen, static_cast<int>(job.color_by)});
+  key.push_back(static_cast<int>(job.beside));
   key.push_back(job.cells != nullptr);  // request_mesh() treats another file as a change of the objects
   for (const auto& group : {refine_settings(), hlod_settings(), cells_settings()})
     for (const Setting& setting : group) key.push_back(setting.get(settings));
@@ -322,6 +323,7 @@ RefineJob Session::wanted_job() const {
   job.frame_to_frame = settings.frame_to_frame;
   job.occlusion = settings.occlusion;
   job.compare = settings.compare;
+  job.beside = settings.beside;
   job.count_visible = settings.count_visible || settings.compare;
   job.keep_occluder = settings.insets.occluder;
   job.keep_seen = settings.insets.birdseye;
