@@ -50,8 +50,7 @@ std::string count_text(const RefinedSide& side, const char* occlusion) {
 std::string beside_text(const RefinedFrame& frame) {
   const RefinedSide& side = frame.sides[1];
   if (side.difference)
-    return fmt::format("difference to {} triangles: RMS {:.2f} px, silhouette {:.2f} %",
-                       grouped(static_cast<double>(side.refinement.stats.triangles)), side.difference->rms_px,
+    return fmt::format("off the full mesh: RMS {:.2f} px, silhouette {:.2f} %", side.difference->rms_px,
                        side.difference->silhouette_mismatch);
   if (frame.job.beside == Beside::full)
     return fmt::format("full: {} triangles", grouped(static_cast<double>(side.refinement.stats.triangles)));
