@@ -14,6 +14,7 @@
 
 #include "backend.h"
 #include "draw/image_drawing.h"
+#include "draw/legend_image.h"
 #include "draw/overlays.h"
 #include "draw/render_target.h"
 #include "hlod_device.h"
@@ -35,6 +36,9 @@ constexpr int layout_pictures = 4;
 constexpr double longest_resize_s = 1.0;
 // Limits the wait of a picture for its mesh: small budgets never show an outdated one, large ones do not stall.
 constexpr double patience_ms = 25.0;
+
+// Most triangles of an HLOD where the CPU draws: two cores then take about half a second for a picture.
+constexpr std::size_t software_triangles = 200'000;
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -134,11 +138,16 @@ Application::Application(const ApplicationOptions& options) : options_(options) 
   setenv("LP_NUM_THREADS", "0", 0);
   panels_ = std::make_unique<Panels>(Panels{*session_, {}, 1.0F, {}, false, {}});
   // Four samples per pixel double the CPU's time. A user who has set them keeps them.
-  if (window_->is_software()) session_->state().defaults.look.antialias = false;
-  if (!remembers_) session_->state().settings = session_->state().defaults;
+  State& state = session_->state();
+  if (window_->is_software()) {
+    state.defaults.look.antialias = false;
+    state.defaults.hlod.most_triangles = software_triangles;
+    state.settings.hlod.most_triangles = software_triangles;  // it is not kept
+  }
+  if (!remembers_) state.settings = state.defaults;
   window_->on_key = [this](int key, int mods) {
     calm_pictures_ = 0;
-    if (!ImGui::GetIO().WantTextInput) press_key(*panels_, key, mods);
+    press_key(*panels_, key, mods);
   };
   window_->on_drop = [this](const std::filesystem::path& file) { panels_->perform("open", {{"file", file.string()}}); };
   gui_ = std::make_unique<Gui>(window_->handle());
@@ -294,9 +303,13 @@ void Application::draw_insets() {
   }
 }
 
-Image Application::picture() const {
-  const Image left = drawings_->sides[0]->read();
-  return session_->state().settings.compare ? side_by_side(left, drawings_->sides[1]->read()) : left;
+Image Application::picture() {
+  const Settings& settings = session_->state().settings;
+  Image image = drawings_->sides[0]->read();
+  if (settings.compare) image = side_by_side(image, drawings_->sides[1]->read());
+  if (settings.window.legend && !draw_legend(image, legend_of(*session_), panels_->scale))
+    session_->notify(fmt::format("a picture of {} x {} pixels has no room for the legend", image.width, image.height));
+  return image;
 }
 
 bool Application::is_laid_out(const ImageSize& pixels) {

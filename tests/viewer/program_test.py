@@ -385,6 +385,21 @@ class Script(unittest.TestCase):
         self.assertIn("no settings file", result.stderr)
         self.assertEqual(settings.read_bytes(), before)
 
+    def test_signals_end_it_as_closing_the_window_does(self):
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+            settings, picture = self.path / f"{number}.json", self.path / f"{number}.png"
+            (self.path / "script.json").write_text(json.dumps({"actions": [
+                {"do": "set", "setting": "budget", "value": 4321}, {"do": "screenshot", "file": str(picture)},
+                {"do": "repeat", "seconds": 300, "actions": [{"do": "wait", "for": "pictures", "count": 1}]}]}))
+            with subprocess.Popen([VIEW, "--script", str(self.path / "script.json"), "--settings", str(settings), "--size", "320x240"], env=self.environment,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+                while process.poll() is None and not picture.exists():
+                    time.sleep(0.01)
+                process.send_signal(number)
+                output, errors = process.communicate(timeout=60)
+            self.assertEqual((process.returncode, output, errors), (128 + number, "", ""))
+            self.assertEqual(json.loads(settings.read_text())["settings"]["budget"], 4321)
+
     def test_settings_are_remembered(self):
         settings = self.path / "view.json"
         for action, expected in [({"do": "set", "setting": "budget", "value": 4321}, 4321), ({"do": "report"}, 4321)]:

@@ -33,11 +33,12 @@ std::string cell_text(const CellsFrame& frame) {
                      walked.outside ? ", outside" : "");
 }
 
-const char* state_text(const CellsFrame& frame) {
+std::string state_text(const CellsFrame& frame) {
   if (frame.walked.missing) return "missing: a node above is drawn";
   if (frame.walked.late) return "late: a node above is drawn";
   if (frame.walked.outside) return "nothing is promised outside";
-  return frame.is_promised ? "in time, its error holds" : "in time, but not built for this view";
+  if (frame.unpromised.empty()) return "in time, its error holds";
+  return "in time; its error may be larger here: " + frame.unpromised;
 }
 
 void draw_walk(const CellsFrame& frame) {

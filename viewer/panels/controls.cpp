@@ -87,7 +87,9 @@ void draw_label(const char* text, const char* help) {
 void draw_row(const char* name, const std::string& value, float column) {
   ImGui::TextDisabled("%s", name);
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * column);
+  ImGui::PushTextWrapPos(0.0F);
   ImGui::TextUnformatted(value.c_str());
+  ImGui::PopTextWrapPos();
 }
 
 bool draw_vector(const char* label, glm::dvec3& value, double speed) {

@@ -26,7 +26,7 @@ constexpr std::array<Line, 17> mouse = {{{"left drag", "orbit; look around when 
                                          {"Space", "play the first camera path, or stop it"},
                                          {"R", "start or stop recording a camera path"},
                                          {"P", "screenshot; Shift + P includes the panels"},
-                                         {"+ -", "double or halve the budget"},
+                                         {"+ -", "double or halve the budget; halve or double an HLOD's tolerance"},
                                          {"Ctrl + O", "open"},
                                          {"Ctrl + S", "save the scene"},
                                          {"Ctrl + click", "type the value of a slider"}}};

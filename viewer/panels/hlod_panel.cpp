@@ -126,6 +126,7 @@ void draw_hlod(Panels& panels) {
   if (frame && !frame->hlod_sides.empty() && frame->hlod_sides[0].strategy == hlod::Strategy::automatic)
     draw_forecasts(frame->hlod_sides[0].front->frame);
   if (!is_open || !session.state().settings.compare) draw_setting(panels, "other_strategy");
+  draw_setting(panels, "most_triangles");
   draw_bias(panels);
   draw_setting(panels, "between");
   if (frame && frame->cache) draw_cache(*frame->cache);

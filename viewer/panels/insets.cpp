@@ -62,12 +62,40 @@ std::string count_text(const HlodSide& side) {
   const hlod::Frame& frame = side.front->frame;
   const std::string& name = tool::name_of(side.strategy);
   const std::string by = frame.strategy == side.strategy ? name : name + " (" + tool::name_of(frame.strategy) + ")";
-  return fmt::format("{}: {} nodes, {} triangles, {:.2f} ms", by, grouped(static_cast<double>(frame.stats.drawn_nodes)),
-                     grouped(static_cast<double>(frame.stats.drawn_triangles)), frame.times.frame_ms);
+  return fmt::format(
+      "{}: {} nodes, {} triangles at {:.3g} px, {:.2f} ms", by, grouped(static_cast<double>(frame.stats.drawn_nodes)),
+      grouped(static_cast<double>(frame.stats.drawn_triangles)), side.tolerance_px, frame.times.frame_ms);
+}
+
+// Returns the height that the tag takes, with the margin above it.
+float draw_recording(const Session& session, const Layout& layout, float margin) {
+  const Recording& recording = session.state().recording;
+  if (recording.path.empty()) return 0.0F;
+  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.95F, 0.40F, 0.36F, 1.0F));
+  draw_tag("recording", layout.view,
+           fmt::format("Recording {}: {} keys; R stops", recording.path, recording.keys.keys.size()), margin);
+  ImGui::PopStyleColor();
+  return ImGui::GetFrameHeight() + margin;
+}
+
+// Tells of a tolerance that was raised.
+float draw_limit(const Session& session, const Layout& layout, float margin) {
+  const HlodSettings& hlod = session.state().settings.hlod;
+  const auto& frame = session.frame();
+  if (!frame || frame->hlod_sides.size() != 1) return 0.0F;
+  const double used = frame->hlod_sides[0].tolerance_px;
+  if (used <= hlod.traverse.tolerance_px || hlod.most_triangles == 0) return 0.0F;
+  draw_tag("limit", layout.view,
+           fmt::format("Drawn at {:.3g} px instead of {:.3g} px: {} triangles at most", used,
+                       hlod.traverse.tolerance_px, grouped(static_cast<double>(hlod.most_triangles))),
+           margin);
+  return ImGui::GetFrameHeight() + margin;
 }
 
 void draw_tags(const Session& session, const Layout& layout, float margin) {
   const Settings& settings = session.state().settings;
+  margin += draw_recording(session, layout, margin);
+  margin += draw_limit(session, layout, margin);
   if (settings.compare && layout.pictures.size() == 2 && session.frame() && session.frame()->sides.size() == 2) {
     const std::string name = "occlusion " + find_setting("occlusion")->get(settings).get<std::string>();
     const bool walks = session.frame()->cells != nullptr;
@@ -84,7 +112,9 @@ void draw_tags(const Session& session, const Layout& layout, float margin) {
   }
 }
 
-std::vector<LegendEntry> legend_of_session(const Session& session) {
+}  // namespace
+
+std::vector<LegendEntry> legend_of(const Session& session) {
   const Settings& settings = session.state().settings;
   const Objects& objects = *session.state().objects;
   if (!are_hlods(objects)) {
@@ -108,8 +138,6 @@ std::vector<LegendEntry> legend_of_session(const Session& session) {
   return entries;
 }
 
-}  // namespace
-
 void draw_insets(Panels& panels, const Layout& layout) {
   const float margin = 10.0F * panels.scale;
   const Session& session = panels.session;
@@ -132,7 +160,7 @@ void draw_insets(Panels& panels, const Layout& layout) {
 
 void draw_legend(Panels& panels, const Layout& layout) {
   const Settings& settings = panels.session.state().settings;
-  const std::vector<LegendEntry> entries = legend_of_session(panels.session);
+  const std::vector<LegendEntry> entries = legend_of(panels.session);
   if (!settings.window.legend || entries.empty()) return;
   const float margin = 10.0F * panels.scale;
   ImGui::SetNextWindowPos(ImVec2(layout.view.low.x + margin, layout.view.high.y - margin), ImGuiCond_Always,

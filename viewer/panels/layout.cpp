@@ -38,7 +38,6 @@ void draw_sidebar(Panels& panels, const Area& area) {
   draw_files(panels);
   draw_first(panels);
   draw_objects(panels);
-  draw_pick(panels);
   draw_auto(panels);
   if (!are_hlods(*panels.session.state().objects)) {
     draw_cells(panels);
@@ -98,6 +97,7 @@ void draw_panels(Panels& panels, const Layout& layout, const std::vector<ImTextu
   draw_distance(panels.session, layout);
   draw_insets(panels, layout);
   draw_legend(panels, layout);
+  draw_selected(panels, layout);
   draw_messages(panels, layout);
   draw_start(panels, layout);
   draw_open_dialogue(panels, layout);

@@ -25,11 +25,10 @@ constexpr std::array<Help, 11> of_meshes = {
 
 constexpr std::array<Help, 8> of_hlods = {
     {{"nodes (DN)", "Nodes that are drawn"},
-     {"drawn twice (RARN)", "Nodes that were drawn, and refined in the same frame"},
+     {"drawn twice", "RARN: nodes that were drawn, and refined in the same frame"},
      {"delayed (D)", "Nodes that were drawn only when the answer to their query came"},
      {"wasted", "Queries that were answered \"visible\" and decided nothing"},
-     {"largest node error",
-      "Largest error of a node that is drawn, by its nearest point; visibility does not reduce it here"},
+     {"node error", "Largest error of a node that is drawn, by its nearest point; visibility does not reduce it here"},
      {"blocked", "Nodes that were drawn since one of their parents was not refined"},
      {"front", "Hash of what is drawn: the same nodes have the same"},
      {"stall", "Time for which the processor waited for answers to queries"}}};

@@ -43,50 +43,71 @@ std::string text_of(double value, Plot plot) {
   return "";
 }
 
-// Returns the first of 1, 2, 5, 10, ... times a power of ten that is no less.
-double round_up(double value) {
-  if (!(value > 0.0)) return 1.0;
-  const double power = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (factor * power >= value) return factor * power;
-  return 10.0 * power;
-}
-
 }  // namespace
 
-void draw_plot(ImDrawList& list, const Area& area, const std::deque<PictureRecord>& records, Plot plot, float step) {
-  const auto last = std::find_if(records.rbegin(), records.rend(),
-                                 [&](const PictureRecord& r) { return std::isfinite(value_of(r, plot)); });
-  if (last == records.rend()) return;
-  // Labels have a column of their own, as wide as the widest of them.
-  const std::string now = "now " + text_of(value_of(*last, plot), plot);
-  const float left = area.low.x + 12.0F + std::max(ImGui::CalcTextSize(now.c_str()).x, 80.0F);
-  const auto count = std::min(records.size(), static_cast<std::size_t>(std::max(area.high.x - left, 0.0F) / step));
-  std::vector<double> values;
-  for (std::size_t i = records.size() - count; i < records.size(); ++i)
-    if (const double value = value_of(records[i], plot); std::isfinite(value)) values.push_back(value);
-  if (values.empty()) return;
-  const double top = plot == Plot::visible ? 100.0 : round_up(*std::max_element(values.begin(), values.end()));
-  std::vector<ImVec2> line;
-  float x = area.high.x - static_cast<float>(values.size()) * step;
-  for (const double value : values) {
-    line.emplace_back(x, area.high.y - static_cast<float>(value / top) * area.height());
+double round_up(double value, double least) {
+  while (std::isfinite(value))
+    for (const double factor : {2.0, 2.5, 2.0}) {
+      if (value <= least) return least;
+      least *= factor;
+    }
+  return least;
+}
+
+void draw_time_axis(ImDrawList& list, const Area& area, const std::deque<PictureRecord>& records, std::size_t first,
+                    float step) {
+  const double seconds = records.back().at_s - records[first].at_s;
+  const double mark = round_up(seconds / 6.0, 1.0);
+  const ImU32 dim = ImGui::GetColorU32(ImGuiCol_TextDisabled);
+  const float left = area.high.x - static_cast<float>(records.size() - first) * step;
+  float x = left;
+  for (std::size_t i = first + 1; i < records.size(); ++i) {
     x += step;
-    line.emplace_back(x, line.back().y);
+    if (std::floor(records[i].at_s / mark) > std::floor(records[i - 1].at_s / mark))
+      list.AddLine(ImVec2(x, area.low.y), ImVec2(x, area.high.y), ImGui::GetColorU32(ImGuiCol_Border));
   }
+  const std::string now = fmt::format("now; a line every {:g} s", mark);
+  const float now_left = area.high.x - ImGui::CalcTextSize(now.c_str()).x;
+  list.AddText(ImVec2(now_left, area.high.y), dim, now.c_str());
+  const std::string ago = fmt::format("{:.1f} s ago", seconds);
+  const float ago_left = std::max(area.low.x, left);
+  if (ago_left + ImGui::CalcTextSize(ago.c_str()).x < now_left)
+    list.AddText(ImVec2(ago_left, area.high.y), dim, ago.c_str());
+}
+
+void draw_plot(ImDrawList& list, const Area& area, const std::deque<PictureRecord>& records, Plot plot, float step) {
+  // Labels have a column of their own, as wide as the widest of them.
+  const std::string now = "now " + text_of(value_of(records.back(), plot), plot);
+  const Area graph{ImVec2(area.low.x + 12.0F + std::max(ImGui::CalcTextSize(now.c_str()).x, 80.0F), area.low.y),
+                   area.high};
+  const auto count = std::min(records.size(), static_cast<std::size_t>(std::max(graph.width(), 0.0F) / step));
+  if (count == 0) return;
+  const std::size_t first = records.size() - count;
+  double most = 0.0;
+  for (std::size_t i = first; i < records.size(); ++i)
+    if (const double value = value_of(records[i], plot); std::isfinite(value)) most = std::max(most, value);
+  const double top = plot == Plot::visible ? 100.0 : round_up(most, plot == Plot::triangles ? 1000.0 : 0.01);
+  std::vector<ImVec2> line;
+  float x = graph.high.x - static_cast<float>(count) * step;
+  for (std::size_t i = first; i < records.size(); ++i, x += step) {
+    const double value = value_of(records[i], plot);
+    if (!std::isfinite(value)) continue;
+    const float y = graph.high.y - static_cast<float>(value / top) * graph.height();
+    line.emplace_back(x, y);
+    line.emplace_back(x + step, y);
+  }
+  draw_time_axis(list, graph, records, first, step);
   const ImU32 grid = ImGui::GetColorU32(ImGuiCol_Border), label = ImGui::GetColorU32(ImGuiCol_TextDisabled);
-  const float line_height = ImGui::GetTextLineHeight();
+  const float middle = (graph.low.y + graph.high.y) / 2.0F, line_height = ImGui::GetTextLineHeight();
+  for (const float y : {graph.low.y, middle, graph.high.y})
+    list.AddLine(ImVec2(graph.low.x, y), ImVec2(graph.high.x, y), grid);
+  list.AddPolyline(line.data(), static_cast<int>(line.size()), IM_COL32(226, 144, 54, 255), ImDrawFlags_None, 2.0F);
   const auto write = [&](float y, const std::string& text) {
     list.AddText(ImVec2(area.low.x + 4.0F, y), label, text.c_str());
   };
-  for (const float share : {0.0F, 0.5F, 1.0F}) {
-    const float y = area.high.y - share * area.height();
-    list.AddLine(ImVec2(left, y), ImVec2(area.high.x, y), grid);
-  }
-  list.AddPolyline(line.data(), static_cast<int>(line.size()), IM_COL32(226, 144, 54, 255), ImDrawFlags_None, 2.0F);
-  write(area.low.y, text_of(top, plot));
-  write((area.low.y + area.high.y - line_height) / 2.0F, now);
-  write(area.high.y - line_height, fmt::format("0, {} pictures", values.size()));
+  write(graph.low.y, text_of(top, plot));
+  write(middle - line_height / 2.0F, now);
+  write(graph.high.y - line_height, "0");
 }
 
 }  // namespace occlod::viewer

@@ -27,6 +27,7 @@ void add_figures(std::map<std::string, double>& figures, const RefinedFrame& fra
   figures["queries"] = static_cast<double>(stats.queries);
   figures["queries_hidden"] = static_cast<double>(stats.hidden_nodes);
   figures["max_error_px"] = stats.largest_sse_px;
+  figures["tolerance_px"] = frame.hlod_sides[0].tolerance_px;
   figures["drawn_nodes"] = static_cast<double>(stats.drawn_nodes);
   figures["drawn_patches"] = static_cast<double>(stats.drawn_patches);
   figures["cut_nodes"] = static_cast<double>(stats.cut_nodes);
@@ -51,7 +52,7 @@ void add_figures(std::map<std::string, double>& figures, const CellsFrame& frame
   figures["cell"] = static_cast<double>(walked.cell);
   figures["shown_cell"] = static_cast<double>(walked.shown);
   figures["outside"] = walked.outside ? 1.0 : 0.0;
-  figures["promised"] = frame.is_promised ? 1.0 : 0.0;
+  figures["promised"] = frame.unpromised.empty() ? 1.0 : 0.0;
   figures["left_out"] = static_cast<double>(frame.left_out);
   figures["walked_frames"] = static_cast<double>(frame.frames);
   figures["late_frames"] = static_cast<double>(frame.late);

@@ -33,6 +33,10 @@ std::span<const Setting> hlod_settings() {
       number(
           {"hlod_tolerance", "Tolerance", "Nodes whose error covers more pixels are refined; 0: the input itself"},
           {0.0, 64.0, false, "px"}, [](auto& s) -> auto& { return s.hlod.traverse.tolerance_px; }),
+      not_kept(integer(
+          {"most_triangles", "Most triangles",
+           "The tolerance is raised until a frame has no more; 0: no limit. Where the CPU draws, it starts at 200,000"},
+          {0, 10'000'000, true, ""}, [](auto& s) -> auto& { return s.hlod.most_triangles; })),
       number(
           {"bias_s", "Sigmoid (s)",
            "Bias of coh, batch and auto, by which errors count less where little of a node is visible: from the "

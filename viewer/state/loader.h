@@ -32,8 +32,12 @@ struct LoadedFile {
   std::map<std::string, Camera> cameras;  // of a scene
   std::map<std::string, CameraPath> paths;
   std::string about;
+  std::vector<std::string> notes;          // one line for each image that is left out; standard error has them too
   std::shared_ptr<const ViewCells> cells;  // of a .vlod file, which has nothing else
 };
+
+// Returns whether the name ends like that of a file that can be opened, whatever its case.
+[[nodiscard]] bool can_be_opened(const std::filesystem::path& file);
 
 struct LoadProgress {
   std::string what;   // empty: nothing is being loaded

@@ -26,7 +26,7 @@ std::uint64_t object_of(const Session& session, const JsonPlace& action) {
   const auto found = std::find_if(objects.begin(), objects.end(), [&](const PlacedObject& object) {
     return place->is_string() ? object.name == place->string() : object.id == place->unsigned_integer();
   });
-  if (found == objects.end()) place->fail("is not an open object", "use its name or its number");
+  if (found == objects.end()) place->fail(place->text() + " is not an open object", "use its name or its number");
   return found->id;
 }
 
@@ -74,7 +74,7 @@ void close_all(Session& session, const JsonPlace&) {
   State& state = session.state();
   session.cancel_loading();
   session.edit_objects([](Objects& objects) { objects.clear(); });
-  state.cells.reset();
+  session.close_cells();
   state.selected = 0;
   state.pick.reset();
   state.measured.clear();
@@ -86,7 +86,7 @@ void close_all(Session& session, const JsonPlace&) {
   session.setting_changed();
 }
 
-void close_cells(Session& session, const JsonPlace&) { session.state().cells.reset(); }
+void close_cells(Session& session, const JsonPlace&) { session.close_cells(); }
 
 void select(Session& session, const JsonPlace& action) { session.state().selected = object_of(session, action); }
 

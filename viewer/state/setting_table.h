@@ -27,8 +27,11 @@ struct Setting {
   std::vector<const char*> choices{};
   bool kept = true;  // from one run to the next
   std::function<nlohmann::json(const Settings&)> get{};
-  std::function<void(Settings&, const JsonPlace&)> set{};  // throws Error for an invalid value
+  std::function<void(Settings&, const JsonPlace&)> set{};  // throws Error for an invalid value; see assign()
 };
+
+// Sets it to the value at `place`. Throws Error that names the setting and the value when it is invalid.
+void assign(const Setting& setting, Settings& settings, const JsonPlace& place);
 
 // Settings are in the order in which panels show them.
 [[nodiscard]] std::span<const Setting> refine_settings();

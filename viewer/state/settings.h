@@ -55,6 +55,7 @@ enum class NodeBoxes {
 struct HlodSettings {
   hlod::TraverseOptions traverse;                       // without what `between` and the device determine
   hlod::Strategy other_strategy = hlod::Strategy::vfc;  // in the right half of the split screen
+  std::size_t most_triangles = 0;  // in a frame: the tolerance is raised until they do; 0: any number
   HlodBetween between = HlodBetween::nothing;
   HlodDevice device = HlodDevice::gl;
   bool settle = true;  // a static view is drawn until its front no longer changes

@@ -21,6 +21,7 @@ struct PictureCost {
 
 struct PictureRecord {
   std::uint64_t picture = 0;  // ascending
+  double at_s = 0.0;          // since the session began
   int path_frame = -1;        // of the camera path that is played
   // The next five are 0 when the mesh of the previous picture was drawn again.
   double refine_ms = 0.0;
