@@ -20,7 +20,7 @@ std::string distance_text(const State& state) {
 
 void draw_study(Panels& panels) {
   if (!begin_section(panels, "Clip and measure", false)) return;
-  for (const char* name : {"clip_axis", "clip_at", "clip_flip", "measure"}) draw_setting(panels, name);
+  for (const char* name : {"clip_axis", "clip_at", "clip_flip", "measuring"}) draw_setting(panels, name);
   const State& state = panels.session.state();
   if (state.measured.size() == 2)
     draw_row("Distance", distance_text(state));

@@ -41,10 +41,10 @@ SceneDescription scene(GeneratedMesh mesh, CameraPath path, const char* path_nam
 SceneDescription planet() {
   const Lens lens{{0.0, 1.0, 0.0}, 0.005, 10.0};
   return scene({"rough-planet", {{"level", 8}}},
-               {{looking({0.0, 1.35, 0.5}, {0.0, 0.95, -0.4}, lens), looking({0.0, 1.1, -0.3}, {0.0, 0.9, -0.9}, lens),
-                 looking({0.0, 0.85, -0.8}, {0.0, 0.4, -1.2}, lens)},
+               {{looking({0.0, 1.35, 0.5}, {0.0, 0.95, -0.4}, lens), looking({0.45, 1.3, 0.1}, {0.1, 0.85, -0.6}, lens),
+                 looking({0.65, 1.1, -0.55}, {-0.1, 0.75, -0.8}, lens)},
                 240},
-               "low flight");
+               "flight");
 }
 
 SceneDescription city() {

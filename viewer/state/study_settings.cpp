@@ -20,7 +20,7 @@ std::span<const Setting> study_settings() {
           {"clip_flip", "Clip the other side", "Draw what lies beyond the clipping plane, instead of before it"},
           [](auto& s) -> auto& { return s.clip.flip; })),
       not_kept(toggle(
-          {"measure", "Measure", "Clicks on the mesh set the two ends of a distance, and pick nothing"},
+          {"measuring", "Measure", "Clicks on the mesh set the two ends of a distance, and pick nothing"},
           [](auto& s) -> auto& { return s.measure; })),
   };
   return settings;
