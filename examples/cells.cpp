@@ -10,9 +10,11 @@
 
 namespace {
 
-const occlod::Camera first_eye{.eye = {233.0, 270.0, 1.7}, .target = {473.0, 270.0, 12.0}, .up = {0.0, 0.0, 1.0}, .fov_y_deg = 60.0, .width = 960, .height = 540, .near = 0.2, .far = 1500.0};
+const occlod::Camera first_eye{
+    .eye = {233, 270, 1.7}, .target = {473, 270, 12}, .up = {0, 0, 1}, .near = 0.2, .far = 1500};
 
-// Cells of 4 m along 24 m of the street. Every eye with that camera's angle and size sees the city in them to the pixel.
+// Cells of 4 m along 24 m of the street: every eye in them, with the angle and size of that camera, sees the city to
+// the pixel.
 void build(const std::filesystem::path& path) {
   const occlod::Hierarchy city =
       occlod::build_hierarchy(occlod::generate("city", {{"blocks", 8}, {"facade_cells", 4}}));

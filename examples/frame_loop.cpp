@@ -17,7 +17,8 @@ int main() try {
 
   // The vertex buffer would hold city.positions(), which never change.
   std::vector<occlod::Triangle> index_buffer;
-  occlod::Camera camera{.up = {0.0, 0.0, 1.0}, .fov_y_deg = 60.0, .width = 960, .height = 540, .near = 0.2, .far = 3000.0};
+  occlod::Camera camera{
+      .up = {0.0, 0.0, 1.0}, .fov_y_deg = 60.0, .width = 960, .height = 540, .near = 0.2, .far = 3000.0};
   for (int frame = 0; frame < 60; ++frame) {
     camera.eye = {125.0 + 3.5 * frame, 481.0, 1.7};
     camera.target = {900.0, 480.0, 14.0};

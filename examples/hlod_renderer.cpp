@@ -1,8 +1,6 @@
-// Draws an HLOD in a renderer of one's own: selects the nodes for a view, and lists the triangles of their meshes. Writes
-// hlod_renderer.png, in which each level of detail has its colour.
-//
-// hlod::Traverser does the same from the top, without looking at every node, and leaves out what is hidden if the
-// renderer is an hlod::RenderDevice: see opengl.cpp.
+// Draws an HLOD in a renderer of one's own: selects the nodes for a view, and lists the triangles of their meshes.
+// Writes hlod_renderer.png with a colour for each level. hlod::Traverser selects without looking at every node, and
+// leaves out what is hidden, if the renderer is an hlod::RenderDevice: see opengl.cpp.
 #include <exception>
 #include <iostream>
 
@@ -24,9 +22,8 @@ std::vector<Draw> select_draws(const hlod::Hlod& hlod, const occlod::View& view,
   std::vector<bool> refined(hlod.node_count());
   std::vector<Draw> draws;
   for (hlod::NodeId n = 0; n < hlod.node_count(); ++n) {
-    const hlod::Node& node = hlod.node(n);
-    refined[n] = node.children > 0 && hlod::screen_error_px(node, scale) > tolerance_px;
-    if (refined[n] || !object.may_be_inside(node.sphere)) continue;
+    refined[n] = hlod::screen_error_px(hlod.node(n), scale) > tolerance_px;  // never on level 0, whose error is 0
+    if (refined[n] || !object.may_be_inside(hlod.node(n).sphere)) continue;
     for (const hlod::Patch& patch : hlod.patches(n))
       if (patch.parent == occlod::no_id || refined[patch.parent]) draws.emplace_back(n, patch);
   }
@@ -36,15 +33,15 @@ std::vector<Draw> select_draws(const hlod::Hlod& hlod, const occlod::View& view,
 }  // namespace
 
 int main() try {
-  const hlod::Hlod planet = hlod::build_hlod(occlod::generate("rough-planet", {{"level", 8}}));
-  const occlod::View view({.eye = {0.0, 1.2, 0.0}, .target = {0.0, 0.98, -0.5}, .fov_y_deg = 60.0});
-  const std::vector<Draw> draws = select_draws(planet, view, 1.0);
+  const hlod::Hlod city = hlod::build_hlod(occlod::generate("city", {{"blocks", 24}}));
+  const occlod::View view({.eye = {20, 20, 60}, .target = {600, 600, 0}, .up = {0, 0, 1}, .height = 512, .far = 4000});
+  const std::vector<Draw> draws = select_draws(city, view, 2.0);
 
   // A renderer uploads the mesh of a node once, and draws ranges of its indices. Here all go into one mesh.
   occlod::TriangleMesh drawn;
   for (const auto& [n, patch] : draws) {
-    const hlod::NodeMesh mesh = planet.mesh(n);
-    const int level = planet.node(n).level;  // 0 is the input
+    const hlod::NodeMesh mesh = city.mesh(n);
+    const int level = city.node(n).level;  // 0 is the input
     const glm::u8vec4 color(250 - 40 * level, 60 + 190 * (level % 2), 90 + 25 * level, 255);
     const auto first = static_cast<std::uint32_t>(drawn.positions.size());
     drawn.positions.insert(drawn.positions.end(), mesh.positions.begin(), mesh.positions.end());
@@ -52,8 +49,7 @@ int main() try {
     for (std::size_t i = patch.first_index; i < patch.first_index + patch.index_count; i += 3)
       drawn.triangles.push_back(first + occlod::Triangle(mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]));
   }
-  std::cout << drawn.triangle_count() << " of " << planet.data().input_triangle_count << " triangles in " << draws.size()
-            << " draws\n";
+  std::cout << drawn.triangle_count() << " triangles in " << draws.size() << " draws\n";
   const occlod::DrawObject objects[] = {{drawn.positions, drawn.colors, drawn.triangles}};
   occlod::ItemBuffer items;
   occlod::draw_items(items, objects, view);

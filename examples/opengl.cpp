@@ -1,5 +1,5 @@
-// Draws an HLOD by OpenGL, without a window, and leaves out what OpenGL's occlusion queries find hidden. Writes the last
-// frame to opengl.png. Runs on a GPU, or on Mesa's llvmpipe.
+// Draws an HLOD by OpenGL, without a window, and leaves out what OpenGL's occlusion queries find hidden. Writes the
+// last frame to opengl.png. Runs on a GPU, or on Mesa's llvmpipe.
 #include <exception>
 #include <iostream>
 
@@ -19,11 +19,13 @@ int main() try {
   const hlod::PlacedHlod objects[] = {{.hlod = &city}};
   hlod::Traverser traverser(objects);
 
-  occlod::Camera camera{.up = {0.0, 0.0, 1.0}, .fov_y_deg = 60.0, .width = 960, .height = 540, .near = 0.2, .far = 3000.0};
+  occlod::Camera camera{
+      .up = {0.0, 0.0, 1.0}, .fov_y_deg = 60.0, .width = 960, .height = 540, .near = 0.2, .far = 3000.0};
   for (int i = 0; i < 20; ++i) {
     camera.eye = {125.0 + 3.5 * i, 481.0, 1.7};
     camera.target = {900.0, 480.0, 14.0};
-    const hlod::Frame& frame = traverser.draw_frame(occlod::View(camera), *device, {.strategy = hlod::Strategy::coh, .tolerance_px = 1.0});
+    const hlod::Frame& frame =
+        traverser.draw_frame(occlod::View(camera), *device, {.strategy = hlod::Strategy::coh, .tolerance_px = 1.0});
     if (i % 5 == 0)
       std::cout << "frame " << i << ": " << frame.stats.drawn_triangles << " triangles, " << frame.stats.queries
                 << " queries, " << frame.stats.hidden_nodes << " nodes hidden\n";

@@ -1,5 +1,5 @@
-// Builds an HLOD from triangles that are never in memory as a whole, and draws it within a fixed number of bytes: meshes
-// of nodes come from the file while the camera moves. Writes paging.ohlod and paging.png.
+// Builds an HLOD from triangles that are never in memory as a whole, and draws it within a fixed number of bytes:
+// meshes of nodes come from the file while the camera moves. Writes paging.ohlod and paging.png.
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -12,11 +12,10 @@
 #include "occlod/traverser.h"
 
 namespace hlod = occlod::hlod;
-
 namespace {
 
-// Builds within 256 MiB of main memory; arrays that do not fit go to files in the working directory. stream_scene() makes
-// such a source from files; here a generator gives a city of 790,784 triangles in pieces.
+// Builds within 256 MiB of main memory; arrays that do not fit go to files in the working directory. stream_scene()
+// makes such a source from files; here a generator gives a city of 790,784 triangles in pieces.
 void build(const std::filesystem::path& path) {
   const occlod::MemoryLimit limit(std::size_t{256} << 20U, ".");
   const hlod::TriangleSource source = [](hlod::TriangleSink& sink) {
@@ -37,12 +36,11 @@ int main() try {
   const hlod::PlacedHlod objects[] = {{.hlod = &city}};
   hlod::Traverser traverser(objects);
   hlod::SoftwareDevice device;
-  occlod::Camera camera{.up = {0.0, 0.0, 1.0}, .fov_y_deg = 60.0, .near = 0.2, .far = 3000.0};
+  occlod::Camera camera{.target = {900.0, 480.0, 14.0}, .up = {0.0, 0.0, 1.0}, .near = 0.2, .far = 3000.0};
   // Frames never wait for the file: where a mesh is missing, or the budget is too small, something coarser is drawn.
   for (int i = 0; i <= 60; ++i) {
     camera.eye = {125.0 + 3.5 * i, 481.0, 1.7};
-    camera.target = {900.0, 480.0, 14.0};
-    const hlod::Frame& frame = traverser.draw_frame(occlod::View(camera), device, {.strategy = hlod::Strategy::vfc, .tolerance_px = 4.0});
+    const hlod::Frame& frame = traverser.draw_frame(occlod::View(camera), device, {.tolerance_px = 4.0});
     const hlod::StoreStats stats = city.store()->stats();
     if (i % 20 == 0)
       std::cout << "frame " << i << ": " << frame.stats.drawn_triangles << " triangles, " << stats.resident_nodes
@@ -50,13 +48,11 @@ int main() try {
                 << stats.missing << " missing\n";
   }
 
-  // What was drawn last, by its distance.
+  // The last frame, the darker the farther.
   const occlod::DepthBuffer depth = device.depth();
   occlod::Image image{depth.width, depth.height, {}};
-  for (const float nearness : depth.nearness) {
-    const auto light = static_cast<std::uint8_t>(std::clamp(255.0F + 32.0F * std::log(nearness), 0.0F, 255.0F));
-    image.pixels.emplace_back(light, light, light, 255);
-  }
+  for (const float nearness : depth.nearness)
+    image.pixels.emplace_back(glm::vec3(std::clamp(255.0F + 32.0F * std::log(nearness), 0.0F, 255.0F)), 255);
   occlod::write_png("paging.png", image);
 } catch (const std::exception& error) {
   std::cerr << "paging: " << error.what() << '\n';

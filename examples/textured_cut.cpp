@@ -49,11 +49,11 @@ int main() try {
   const occlod::DrawObject drawn[] = {{.positions = planet.positions(), .triangles = triangles}};
   const occlod::TextureImage image(occlod::checker_image(16, 64));
   const occlod::DrawMaterial materials[] = {{.image = &image}, {.base_color = {0.02F, 0.1F, 0.4F}}};
-  const occlod::ObjectTexture textures[] = {{planet.data().texture_coordinates, planet.data().wedge_materials, materials}};
+  const occlod::ObjectTexture look[] = {{planet.data().texture_coordinates, planet.data().wedge_materials, materials}};
   const occlod::View view(occlod::Camera{.eye = {0.0, 0.8, -2.8}});
   occlod::ItemBuffer items;
   occlod::draw_items(items, drawn, view);
-  occlod::write_png("textured_cut.png", occlod::shade(items, drawn, view, {.wire = false, .textures = textures}));
+  occlod::write_png("textured_cut.png", occlod::shade(items, drawn, view, {.wire = false, .textures = look}));
 } catch (const std::exception& error) {
   std::cerr << "textured_cut: " << error.what() << '\n';
   return 1;
