@@ -65,7 +65,7 @@ def whole_svg(parts, attributes, size, standalone):
     """Standalone ones are files of their own, on white."""
     name = 'xmlns="http://www.w3.org/2000/svg" ' if standalone else ""
     ground = f'<rect width="{size[0]}" height="{size[1]}" fill="{LIGHT["paper"]}"/>' if standalone else ""
-    return (f'<svg {name}class="plot" role="img" {attributes} viewBox="0 0 {size[0]} {size[1]}" width="{size[0]}" height="{size[1]}" font-family="sans-serif" font-size="12">'
+    return (f'<svg {name}class="plot" role="img" {attributes} viewBox="0 0 {size[0]} {size[1]}" width="{size[0]}" height="{size[1]}" font-family="Helvetica,Arial,DejaVu Sans,sans-serif" font-size="12">'
             f'{ground}{"".join(parts)}</svg>')
 
 
