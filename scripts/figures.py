@@ -12,15 +12,13 @@ import page  # noqa: E402
 SETTINGS = "2026-11-22/report_settings.csv"  # of scripts/report.sh
 SCENES = ("armadillo_group", "planet_near", "sponza", "city")
 ABOVE = "2026-11-27/hlod_above.csv"  # of figure8_city.csv of scripts/hlod_tables.sh --only table4
-COVER = "2026-11-27/hlod_cover.csv"  # of cover_*.json of scripts/hlod_tables.sh --only cover
 KNOB_BUDGET, NEAR_BEST, TIME_NOISE = 10_000, 1.1, 1.25  # of bench_report
 NOT_OFFERED = ("raster", "textures")  # knobs that the command line does not have
 
 
 def main():
     folder = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs/images"
-    figures = {"report.svg": page.Report(report_data()).figure(), "hlod_above.svg": hlod_page.above(frames_above(), date_of(ABOVE)),
-               "hlod_cover.svg": hlod_page.cover_alone(covered(), date_of(COVER))}
+    figures = {"report.svg": page.Report(report_data()).figure(), "hlod_above.svg": hlod_page.above(frames_above(), date_of(ABOVE))}
     for name, drawn in figures.items():
         (folder / name).write_text(drawn.svg(standalone=True) + "\n")
         print(folder / name)
@@ -40,14 +38,6 @@ def frames_above():
     lines = {name: [] for name in hlod_page.FIGURE_8.values()}
     for row in rows_of(ABOVE):
         lines[hlod_page.FIGURE_8[row["strategy"]]].append((int(row["frame"]), float(row["frame_ms"])))
-    return lines
-
-
-def covered():
-    """By source, (predicted, share of boxes that are covered)."""
-    lines = {}
-    for row in rows_of(COVER):
-        lines.setdefault(row["source"], []).append((float(row["predicted"]), float(row["covered"])))
     return lines
 
 

@@ -15,6 +15,7 @@
 #include "occlod/bounds.h"
 #include "occlod/item_buffer.h"
 #include "occlod/mesh.h"
+#include "occlod/refiner.h"
 #include "occlod/view.h"
 
 namespace occlod {
@@ -102,6 +103,10 @@ struct ShadeOptions {
 // The result is the same on every machine. O(pixels).
 [[nodiscard]] Image shade(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view,
                           const ShadeOptions& options = {});
+
+// Draws what a Refiner chose of its objects, which are as many, and shades it. O(triangles + pixels covered).
+[[nodiscard]] Image draw_picture(std::span<const RefineObject> objects, const Refinement& refinement, const View& view,
+                                 const ShadeOptions& options = {});
 
 // Draws the objects as seen from `view`, usually from above, to show where refinement spent its triangles: those that
 // own a pixel of `main_items`, which was drawn for `main_view`, are bright and warm, the others dark and cool. The
