@@ -80,10 +80,10 @@ struct ObjectTexture {
 
 // The active triangles of one placed object. The spans need only stay valid during a call.
 struct DrawObject {
-  std::span<const glm::vec3> positions;  // object space
-  std::span<const glm::u8vec4> colors;   // sRGB, one per vertex, or empty
-  std::span<const Triangle> triangles;   // ids into positions
-  glm::dmat4 object_to_world{1.0};       // affine
+  std::span<const glm::vec3> positions;      // object space
+  std::span<const glm::u8vec4> colors = {};  // sRGB, one per vertex, or empty
+  std::span<const Triangle> triangles = {};  // ids into positions
+  glm::dmat4 object_to_world{1.0};           // affine
 };
 
 // Resets the target to the view's size and draws all objects. Triangle i of object k owns its pixels as item (number of

@@ -44,7 +44,7 @@ enum class Strategy {
 struct TraverseOptions {
   Strategy strategy = Strategy::coh;  // a change forgets what was visible
   double tolerance_px = 1.0;          // >= 0; 0: the input itself
-  Bias bias;                          // of coh, batch and automatic
+  Bias bias = {};                     // of coh, batch and automatic
   bool geomorph = false;  // vertices slide to the parent's while its error goes from twice tolerance_px to tolerance_px
   // Of HLODs with splits: a node whose error is too large, but whose children's is not, is refined within, to the error
   // that covers tolerance_px, instead of being replaced by children that are better than asked for (Charalambos 2006,
