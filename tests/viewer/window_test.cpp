@@ -431,6 +431,69 @@ TEST_F(Window, WindowPictureHasPanelsAndView) {
   EXPECT_GT(pixel(990, 5).x, 120);  // the sky is bright
 }
 
+// The colours are explained in the picture itself, in its lower left corner, unless the legend is off.
+TEST_F(Window, PicturesWithoutPanelsHaveTheLegend) {
+  start();
+  set("color_by", "level");
+  const Image without = screenshot();
+  set("legend", true);
+  const Image with = screenshot();
+  ASSERT_EQ(with.pixels.size(), without.pixels.size());
+  std::size_t changed = 0;
+  for (int y = 0; y < with.height; ++y)
+    for (int x = 0; x < with.width; ++x) {
+      const auto i = static_cast<std::size_t>(y * with.width + x);
+      if (with.pixels[i] == without.pixels[i]) continue;
+      ++changed;
+      EXPECT_TRUE(x < with.width / 2 && y > with.height / 2) << x << " " << y;
+    }
+  EXPECT_GT(changed, 5000U);
+  set("color_by", "plain");
+  const Image plain = screenshot();
+  set("legend", false);
+  EXPECT_EQ(difference(plain, screenshot()), "") << "they tell nothing";
+  set("legend", true);
+  set("color_by", "level");
+  act({{"do", "picture_size"}, {"width", 100}, {"height", 80}});
+  static_cast<void>(screenshot());
+  EXPECT_NE(session().state().notices.back().text.find("no room"), std::string::npos);
+}
+
+// Nothing in the sidebar is elsewhere after a click into the view, or after one that selects nothing.
+TEST_F(Window, APickDoesNotShiftTheSidebar) {
+  start();
+  const auto sidebar = [&] {
+    act({{"do", "screenshot"}, {"file", folder_.path("window.png").string()}, {"panels", true}});
+    const Image window = read_png(folder_.path("window.png"));
+    std::vector<glm::u8vec4> pixels;
+    for (int y = 170; y < window.height; ++y)  // below the objects, of which one is marked
+      for (int x = 0; x < 320; ++x) pixels.push_back(window.pixels[static_cast<std::size_t>(y * window.width + x)]);
+    return pixels;
+  };
+  const auto before = sidebar();
+  act({{"do", "pick"}, {"x", 0.5}, {"y", 0.9}});
+  ASSERT_TRUE(session().state().pick);
+  EXPECT_TRUE(sidebar() == before);
+  act({{"do", "unpick"}});
+  EXPECT_TRUE(sidebar() == before);
+}
+
+TEST_F(Window, ARecordingShows) {
+  start();
+  const auto top = [&] {
+    act({{"do", "screenshot"}, {"file", folder_.path("window.png").string()}, {"panels", true}});
+    const Image window = read_png(folder_.path("window.png"));
+    // Red text between the sidebar and the right border.
+    return std::count_if(window.pixels.begin(), window.pixels.begin() + std::ptrdiff_t{60} * window.width,
+                         [](const glm::u8vec4& p) { return p.x > 180 && p.y < 120 && p.z < 120; });
+  };
+  EXPECT_EQ(top(), 0);
+  act({{"do", "record"}, {"name", "mine"}});
+  EXPECT_GT(top(), 50);
+  act({{"do", "stop"}});
+  EXPECT_EQ(top(), 0);
+}
+
 // What does not change while the viewer is at rest: without the strip at the bottom, where times and memory stand, but
 // for the first column of its table, the names.
 std::vector<glm::u8vec4> lasting_pixels(const Image& window, const Area& strip) {
@@ -462,6 +525,7 @@ TEST_F(Window, FirstPictureWithPanelsIsLaidOut) {
   // Only performed: the screenshot is asked for before anything is drawn.
   const auto perform = [&](const nlohmann::json& action) { session().perform(action); };
   for (const char* inset : {"birdseye", "occluder"}) perform({{"do", "set"}, {"setting", inset}, {"value", true}});
+  perform({{"do", "set"}, {"setting", "legend"}, {"value", true}});
   perform({{"do", "set"}, {"setting", "color_by"}, {"value", "visibility"}});
   expect_laid_out(1000, 700);
   for (const auto& [width, height] : {std::pair(700, 500), std::pair(1200, 800)}) {

@@ -44,20 +44,30 @@ float width_of(const ImFont& font, const std::string& ascii) {
   return width;
 }
 
-// Copies the characters from the atlas, where they have their size already.
+// Returns the mean coverage of a part of the atlas, whose characters are several times as wide as they are drawn.
+float coverage(const Atlas& atlas, float left, float right, int row) {
+  const int begin = static_cast<int>(std::lround(left)),
+            end = std::max(static_cast<int>(std::lround(right)), begin + 1);
+  int sum = 0;
+  for (int x = begin; x < end; ++x) sum += atlas.coverage[row * atlas.width + std::min(x, atlas.width - 1)];
+  return static_cast<float>(sum) / static_cast<float>(255 * (end - begin));
+}
+
 void draw_text(Image& image, const Atlas& atlas, float left, float top, const std::string& ascii,
                const glm::vec3& color) {
   for (const char c : ascii) {
     const ImFontGlyph& glyph = *atlas.font->FindGlyph(static_cast<ImWchar>(c));
     const int x0 = static_cast<int>(std::lround(left + glyph.X0)), y0 = static_cast<int>(std::lround(top + glyph.Y0));
-    const int u0 = static_cast<int>(std::lround(glyph.U0 * static_cast<float>(atlas.width)));
+    const int width = static_cast<int>(std::ceil(glyph.X1 - glyph.X0)),
+              height = static_cast<int>(std::lround(glyph.Y1 - glyph.Y0));
+    const float u0 = glyph.U0 * static_cast<float>(atlas.width), u1 = glyph.U1 * static_cast<float>(atlas.width);
+    const float step = (u1 - u0) / static_cast<float>(width);
     const int v0 = static_cast<int>(std::lround(glyph.V0 * static_cast<float>(atlas.height)));
-    const int width = static_cast<int>(std::lround(glyph.U1 * static_cast<float>(atlas.width))) - u0;
-    const int height = static_cast<int>(std::lround(glyph.V1 * static_cast<float>(atlas.height))) - v0;
     for (int y = 0; y < height && glyph.Visible; ++y)
-      for (int x = 0; x < width; ++x)
-        if (const auto covered = atlas.coverage[(v0 + y) * atlas.width + u0 + x]; covered > 0)
-          blend(image, x0 + x, y0 + y, color, static_cast<float>(covered) / 255.0F);
+      for (int x = 0; x < width; ++x) {
+        const float u = u0 + static_cast<float>(x) * step;
+        blend(image, x0 + x, y0 + y, color, coverage(atlas, u, u + step, v0 + y));
+      }
     left += glyph.AdvanceX;
   }
 }

@@ -86,7 +86,8 @@ void draw_label(const char* text, const char* help) {
 
 void draw_row(const char* name, const std::string& value, float column) {
   ImGui::TextDisabled("%s", name);
-  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * column);
+  ImGui::SameLine();
+  ImGui::SetCursorPosX(std::max(ImGui::GetCursorPosX(), ImGui::GetWindowContentRegionMax().x * column));
   ImGui::PushTextWrapPos(0.0F);
   ImGui::TextUnformatted(value.c_str());
   ImGui::PopTextWrapPos();

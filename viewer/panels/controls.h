@@ -19,7 +19,7 @@ bool draw_button(Panels& panels, const char* command, const nlohmann::json& argu
 
 // Draws a label in the first column, with its help when hovered; the next item stands in the second.
 void draw_label(const char* text, const char* help = nullptr);
-// Draws a name, and a value that begins at the share `column` of the width.
+// Draws a name, and a value that begins at the share `column` of the width, or behind a longer name.
 void draw_row(const char* name, const std::string& value, float column = 0.42F);
 // Draws three numbers to drag, which change by `speed` per pixel. Returns true when they have been changed.
 bool draw_vector(const char* label, glm::dvec3& value, double speed);

@@ -30,13 +30,18 @@ void draw_inset(const char* name, const char* title, ImTextureID texture, const 
   ImGui::End();
 }
 
-void draw_tag(const char* name, const Area& picture, const std::string& text, float margin) {
+// Draws a line at the top of a picture, or several where that is narrow. Returns the height that they take.
+float draw_tag(const char* name, const Area& picture, const std::string& text, float margin) {
   ImGui::SetNextWindowPos(ImVec2((picture.low.x + picture.high.x) / 2.0F, picture.low.y + margin), ImGuiCond_Always,
                           ImVec2(0.5F, 0.0F));
   ImGui::SetNextWindowBgAlpha(0.85F);
   ImGui::Begin(name, nullptr, inset_flags | ImGuiWindowFlags_NoInputs);
+  ImGui::PushTextWrapPos(std::max(picture.width() - 4.0F * ImGui::GetFontSize(), 1.0F));
   ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  const float height = ImGui::GetWindowHeight();
   ImGui::End();
+  return height;
 }
 
 std::string count_text(const RefinedSide& side, const char* occlusion) {
@@ -67,35 +72,36 @@ std::string count_text(const HlodSide& side) {
       grouped(static_cast<double>(frame.stats.drawn_triangles)), side.tolerance_px, frame.times.frame_ms);
 }
 
-// Returns the height that the tag takes, with the margin above it.
+// Tells that the camera is recorded. Returns the height that this takes.
 float draw_recording(const Session& session, const Layout& layout, float margin) {
   const Recording& recording = session.state().recording;
   if (recording.path.empty()) return 0.0F;
   ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.95F, 0.40F, 0.36F, 1.0F));
-  draw_tag("recording", layout.view,
-           fmt::format("Recording {}: {} keys; R stops", recording.path, recording.keys.keys.size()), margin);
+  const float height =
+      draw_tag("recording", layout.view,
+               fmt::format("Recording {}: {} keys; R stops", recording.path, recording.keys.keys.size()), margin);
   ImGui::PopStyleColor();
-  return ImGui::GetFrameHeight() + margin;
+  return height;
 }
 
-// Tells of a tolerance that was raised.
+// Tells of a tolerance that was raised. Returns the height that this takes.
 float draw_limit(const Session& session, const Layout& layout, float margin) {
   const HlodSettings& hlod = session.state().settings.hlod;
   const auto& frame = session.frame();
   if (!frame || frame->hlod_sides.size() != 1) return 0.0F;
   const double used = frame->hlod_sides[0].tolerance_px;
   if (used <= hlod.traverse.tolerance_px || hlod.most_triangles == 0) return 0.0F;
-  draw_tag("limit", layout.view,
-           fmt::format("Drawn at {:.3g} px instead of {:.3g} px: {} triangles at most", used,
-                       hlod.traverse.tolerance_px, grouped(static_cast<double>(hlod.most_triangles))),
-           margin);
-  return ImGui::GetFrameHeight() + margin;
+  return draw_tag("limit", layout.view,
+                  fmt::format("Drawn at {:.3g} px instead of {:.3g} px: {} triangles at most", used,
+                              hlod.traverse.tolerance_px, grouped(static_cast<double>(hlod.most_triangles))),
+                  margin);
 }
 
 void draw_tags(const Session& session, const Layout& layout, float margin) {
   const Settings& settings = session.state().settings;
-  margin += draw_recording(session, layout, margin);
-  margin += draw_limit(session, layout, margin);
+  const float gap = margin;
+  for (const auto& draw : {draw_recording, draw_limit})
+    if (const float height = draw(session, layout, margin); height > 0.0F) margin += height + gap;
   if (settings.compare && layout.pictures.size() == 2 && session.frame() && session.frame()->sides.size() == 2) {
     const std::string name = "occlusion " + find_setting("occlusion")->get(settings).get<std::string>();
     const bool walks = session.frame()->cells != nullptr;

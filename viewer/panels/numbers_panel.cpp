@@ -33,28 +33,45 @@ struct Cell {
   std::string value;
 };
 
-// Draws them row by row, in at most so many columns, each as wide as its longest text is now. (Columns of a table of
-// Dear ImGui have the widths that its last picture needed.)
-void draw_grid(const std::vector<Cell>& cells, std::size_t most_columns) {
-  const float space = ImGui::GetFontSize() * 0.6F;
-  float name_width = 0.0F, value_width = ImGui::CalcTextSize("1,234,567").x;
-  for (const Cell& cell : cells) {
-    name_width = std::max(name_width, ImGui::CalcTextSize(cell.name).x + space);
-    value_width = std::max(value_width, ImGui::CalcTextSize(cell.value.c_str()).x + space);
-  }
-  const float room = ImGui::GetContentRegionAvail().x / (name_width + value_width);
-  const std::size_t columns = std::clamp<std::size_t>(static_cast<std::size_t>(room), 1, most_columns);
-  const float left = ImGui::GetCursorPosX();
+struct ColumnWidths {
+  float names = 0.0F;
+  float values = 0.0F;
+};
+
+std::vector<ColumnWidths> widths_of(const std::vector<Cell>& cells, std::size_t columns) {
+  const float space = ImGui::GetFontSize() * 0.7F;
+  std::vector<ColumnWidths> widths(columns, {0.0F, ImGui::CalcTextSize("123,456").x + space});
   for (std::size_t i = 0; i < cells.size(); ++i) {
+    ColumnWidths& width = widths[i % columns];
+    width.names = std::max(width.names, ImGui::CalcTextSize(cells[i].name).x + space);
+    width.values = std::max(width.values, ImGui::CalcTextSize(cells[i].value.c_str()).x + space);
+  }
+  return widths;
+}
+
+// Draws them row by row, in as many columns as there is room for, each as wide as its longest text is now. (Columns of
+// a table of Dear ImGui have the widths that its last picture needed.)
+void draw_grid(const std::vector<Cell>& cells, std::size_t columns) {
+  std::vector<ColumnWidths> widths = widths_of(cells, columns);
+  const auto total = [&] {
+    float sum = 0.0F;
+    for (const ColumnWidths& width : widths) sum += width.names + width.values;
+    return sum;
+  };
+  while (columns > 1 && total() > ImGui::GetContentRegionAvail().x) widths = widths_of(cells, --columns);
+  const float left = ImGui::GetCursorPosX();
+  float x = left;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (i % columns == 0) x = left;
     if (i % columns != 0) ImGui::SameLine();
-    const float x = left + static_cast<float>(i % columns) * (name_width + value_width);
     ImGui::SetCursorPosX(x);
     ImGui::TextDisabled("%s", cells[i].name);
     draw_help_of_item(help_of_number(cells[i].name));
     ImGui::SameLine();
-    ImGui::SetCursorPosX(x + name_width);
+    ImGui::SetCursorPosX(x + widths[i % columns].names);
     ImGui::TextUnformatted(cells[i].value.c_str());
     draw_help_of_item(help_of_number(cells[i].name));
+    x += widths[i % columns].names + widths[i % columns].values;
   }
 }
 
@@ -217,6 +234,7 @@ void draw_numbers(Panels& panels, const Area& area) {
   ImGui::SameLine(0.0F, 20.0F * panels.scale);
   ImGui::BeginGroup();
   const float right = area.high.x - 10.0F * panels.scale;
+  if (right - ImGui::GetCursorScreenPos().x < 100.0F * panels.scale) return ImGui::EndGroup();  // no room for a graph
   draw_times(records.back(), !frame->hlod_sides.empty(), right);
   const Area graph{ImGui::GetCursorScreenPos(),
                    ImVec2(right, area.high.y - 4.0F * panels.scale - ImGui::GetTextLineHeight())};

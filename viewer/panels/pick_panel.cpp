@@ -85,10 +85,12 @@ void draw_selected(Panels& panels, const Layout& layout) {
   const auto objects = state.objects;  // a copy, because actions replace it
   const auto selected = std::ranges::find(*objects, state.selected, &PlacedObject::id);
   if (selected == objects->end()) return;
-  const float margin = 10.0F * panels.scale, width = 310.0F * panels.scale;
-  ImGui::SetNextWindowPos(ImVec2(layout.view.low.x + margin, layout.view.low.y + margin), ImGuiCond_Appearing);
+  const float margin = 10.0F * panels.scale;
+  const float width = std::min(310.0F * panels.scale, layout.view.width() - 2.0F * margin);
+  ImGui::SetNextWindowPos(ImVec2(layout.view.high.x - margin, layout.view.high.y - margin), ImGuiCond_Always,
+                          ImVec2(1.0F, 1.0F));
   ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0.0F), ImVec2(width, layout.view.height() - 2.0F * margin));
-  ImGui::SetNextWindowBgAlpha(0.9F);
+  ImGui::SetNextWindowBgAlpha(0.97F);
   bool open = true;
   if (ImGui::Begin(
           (selected->name + "###selected").c_str(), &open,

@@ -49,8 +49,8 @@ class HlodBench {
   void place(const RefineJob& job);
   [[nodiscard]] HlodSide draw(Side& side, const RefineJob& job, hlod::Strategy strategy);
   [[nodiscard]] const hlod::Frame& draw_within(Side& side, const View& view, const Asked& asked, const RefineJob& job);
-  // Returns whether the front has so few triangles that it may be finer, though not as fine as asked for.
-  [[nodiscard]] static bool has_room(const Side& side);
+  // Returns the next tolerance for a side whose tolerance was raised; nothing where that would have too many triangles.
+  [[nodiscard]] static std::optional<double> finer_px(const Side& side, double wanted_px);
   [[nodiscard]] hlod::TraverseOptions options_of(const RefineJob& job, hlod::Strategy strategy);
   [[nodiscard]] hlod::RenderDevice& device(HlodDevice device);
   // Returns nothing if the costs are unknown and not needed.

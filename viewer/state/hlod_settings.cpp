@@ -35,7 +35,7 @@ std::span<const Setting> hlod_settings() {
           {0.0, 64.0, false, "px"}, [](auto& s) -> auto& { return s.hlod.traverse.tolerance_px; }),
       not_kept(integer(
           {"most_triangles", "Most triangles",
-           "The tolerance is raised until a frame has no more; 0: no limit. Where the CPU draws, it starts at 200,000"},
+           "The tolerance is raised until a frame has no more; 0: no limit. Where the CPU draws, it starts at 300,000"},
           {0, 10'000'000, true, ""}, [](auto& s) -> auto& { return s.hlod.most_triangles; })),
       number(
           {"bias_s", "Sigmoid (s)",
