@@ -7,6 +7,7 @@
 #include "hlod_strategies.h"
 #include "palette.h"
 #include "panels.h"
+#include "theme.h"
 
 namespace occlod::viewer {
 namespace {
@@ -76,7 +77,7 @@ std::string count_text(const HlodSide& side) {
 float draw_recording(const Session& session, const Layout& layout, float margin) {
   const Recording& recording = session.state().recording;
   if (recording.path.empty()) return 0.0F;
-  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.95F, 0.40F, 0.36F, 1.0F));
+  ImGui::PushStyleColor(ImGuiCol_Text, error_color_of_text());
   const float height =
       draw_tag("recording", layout.view,
                fmt::format("Recording {}: {} keys; R stops", recording.path, recording.keys.keys.size()), margin);
