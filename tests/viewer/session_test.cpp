@@ -145,6 +145,31 @@ TEST_F(SessionTest, UnknownEndingsAreToldWithAllThatCanBeOpened) {
     EXPECT_NE(session_.state().notices[0].text.find(ending), std::string::npos) << session_.state().notices[0].text;
 }
 
+// Numbers stand beside the first picture already, not only beside the second.
+TEST_F(SessionTest, TheFirstPictureHasItsNumbers) {
+  session_.perform(json{{"do", "open"}, {"file", folder_.write("planet.json", test::planet_scene()).string()}});
+  while (!session_.frame()) session_.update(0.25, 100.0);
+  ASSERT_TRUE(session_.timeline().records().empty());
+  const PictureRecord shown = session_.record_of_frame();
+  EXPECT_EQ(shown.triangles, stats().triangles);
+  EXPECT_EQ(shown.hash, session_.frame()->hash);
+  session_.picture_drawn({});
+  const PictureRecord& kept = session_.timeline().records().at(0);
+  EXPECT_EQ(kept.triangles, shown.triangles);
+  EXPECT_EQ(kept.at_s, shown.at_s);
+  EXPECT_GE(kept.at_s, 0.25);
+}
+
+// 5, 10, 25, 50, 100, ... ms, however long a picture takes.
+TEST(Graph, ContainsLongPictures) {
+  std::deque<PictureRecord> records(10);
+  for (const auto& [ms, top] : {std::pair(0.0, 5.0), std::pair(5.0, 5.0), std::pair(5.1, 10.0), std::pair(30.0, 50.0),
+                                std::pair(4900.0, 5000.0), std::pair(26'000.0, 50'000.0), std::pair(3e6, 5e6)}) {
+    for (PictureRecord& record : records) record.refine_ms = ms;
+    EXPECT_DOUBLE_EQ(graph_top_ms(records, 0), top) << ms;
+  }
+}
+
 TEST_F(SessionTest, DraggedObjectFollowsTheCursor) {
   open();
   act(session_, {{"do", "go_to"}, {"name", "far"}});

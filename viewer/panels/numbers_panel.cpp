@@ -141,20 +141,11 @@ void draw_cells_of(const RefinedFrame& frame, const PictureRecord& shown) {
   draw_grid(frame.cells ? cells_of_walk(shown, *frame.cells, frame.sides[0]) : cells_of_mesh(shown, frame.sides[0]), 2);
 }
 
-// Returns the scale of the graph, which contains nearly all pictures.
-double top_of(const std::deque<PictureRecord>& records, std::size_t first) {
-  std::vector<double> totals;
-  for (std::size_t i = first; i < records.size(); ++i) totals.push_back(records[i].total_ms());
-  const auto place = totals.begin() + static_cast<std::ptrdiff_t>(totals.size() * 98 / 100);
-  std::nth_element(totals.begin(), place, totals.end());
-  return round_up(*place, 5.0);
-}
-
 // Draws a bar for each of the last pictures.
 void draw_bars(ImDrawList& list, const Area& area, const std::deque<PictureRecord>& records, float bar) {
   const auto bars = std::min(records.size(), static_cast<std::size_t>(area.width() / bar));
   const std::size_t first = records.size() - bars;
-  const double top = top_of(records, first);
+  const double top = graph_top_ms(records, first);
   draw_time_axis(list, area, records, first, bar);
   float x = area.high.x - static_cast<float>(bars) * bar;
   for (std::size_t i = first; i < records.size(); ++i, x += bar) {

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "base/atomic_file.h"
 
@@ -46,6 +49,23 @@ void Timeline::write_csv(const std::filesystem::path& file) const {
         r.hlod.wasted_queries, r.times.frame_ms, r.times.stall_ms, walked_columns(r));
   }
   target.commit();
+}
+
+double round_up(double value, double least) {
+  while (std::isfinite(value))
+    for (const double factor : {2.0, 2.5, 2.0}) {
+      if (value <= least) return least;
+      least *= factor;
+    }
+  return least;
+}
+
+double graph_top_ms(const std::deque<PictureRecord>& records, std::size_t first) {
+  std::vector<double> totals;
+  for (std::size_t i = first; i < records.size(); ++i) totals.push_back(records[i].total_ms());
+  const auto place = totals.begin() + static_cast<std::ptrdiff_t>(totals.size() * 98 / 100);
+  std::nth_element(totals.begin(), place, totals.end());
+  return round_up(*place, 5.0);
 }
 
 double resident_memory_mb() {

@@ -67,6 +67,12 @@ class Timeline {
   std::deque<PictureRecord> records_;
 };
 
+// Returns the first of 1, 2, 5, 10, ... times `least` that is not below `value`; `least` if that is not finite.
+[[nodiscard]] double round_up(double value, double least);
+
+// Returns the scale of a graph that contains nearly all records from the `first` on, which exists.
+[[nodiscard]] double graph_top_ms(const std::deque<PictureRecord>& records, std::size_t first);
+
 // Returns the memory of this process in MB; 0 if the system does not tell.
 [[nodiscard]] double resident_memory_mb();
 
