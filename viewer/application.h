@@ -57,7 +57,8 @@ class Application {
   [[nodiscard]] bool is_laid_out(const ImageSize& pixels);
   void take_captures();
   void tell_complaints();
-  [[nodiscard]] Image picture() const;
+  // Returns what was drawn, with its legend but without the panels.
+  [[nodiscard]] Image picture();
   [[nodiscard]] double wait_s() const;
   [[nodiscard]] float scale() const;
 

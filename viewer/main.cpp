@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <sstream>
@@ -134,6 +136,32 @@ void finish(Arguments& arguments) {
   check_settings_file(options);
 }
 
+// What has asked the viewer to end. The handler may only note it.
+std::atomic<int> ending_signal = 0;
+static_assert(std::atomic<int>::is_always_lock_free);
+extern "C" void note_signal(int number) { ending_signal = number; }
+
+// Lets signals end the viewer as closing its window does. A second one ends it at once; one that the parent ignores
+// stays ignored.
+void note_signals() {
+  for (const int number : {SIGHUP, SIGINT, SIGTERM}) {
+    struct sigaction before {};
+    sigaction(number, nullptr, &before);
+    if (before.sa_handler == SIG_IGN) continue;
+    struct sigaction action {};
+    action.sa_handler = note_signal;
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    sigaction(number, &action, nullptr);
+  }
+}
+
+void view(const ApplicationOptions& options) {
+  note_signals();
+  Application application(options);
+  while (ending_signal == 0 && application.step()) {
+  }
+}
+
 void parse_and_run(CLI::App& app, Arguments& arguments, int argc, char** argv) {
   try {
     app.parse(argc, argv);
@@ -148,7 +176,7 @@ void parse_and_run(CLI::App& app, Arguments& arguments, int argc, char** argv) {
   if (arguments.actions)
     print_actions();
   else
-    Application(arguments.application).run();
+    view(arguments.application);
 }
 
 int run(int argc, char** argv) {
@@ -162,7 +190,7 @@ int run(int argc, char** argv) {
   try {
     parse_and_run(app, arguments, argc, argv);
     tool::flush_standard_output();
-    return 0;
+    return ending_signal == 0 ? 0 : 128 + ending_signal;  // as in shells
   } catch (const CLI::ParseError& error) {
     print_error(fmt::format("{}; see occlod-view --help", error.what()));
     return exit_wrong_use;

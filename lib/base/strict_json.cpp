@@ -107,6 +107,13 @@ void JsonPlace::fail(const std::string& problem, const std::string& remedy) cons
   throw Error({*file_, path_.empty() ? "/" : path_, problem, remedy});
 }
 
+std::string JsonPlace::text() const {
+  constexpr std::size_t longest = 60;
+  std::string text = value_->dump(-1, ' ', true, json::error_handler_t::replace);
+  if (text.size() > longest) text = text.substr(0, longest) + "...";
+  return text;
+}
+
 JsonPlace JsonPlace::below(const json& value, const std::string& step) const {
   JsonPlace place(value, *file_);
   place.path_ = path_ + "/" + step;

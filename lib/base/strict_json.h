@@ -49,6 +49,8 @@ class JsonPlace {
   [[nodiscard]] std::string string() const;  // throws Error when it is empty
   [[nodiscard]] std::vector<double> numbers(std::size_t count) const;
   [[nodiscard]] bool is_string() const noexcept { return value_->is_string(); }
+  // Returns the value as JSON in ASCII for messages, its first 60 characters.
+  [[nodiscard]] std::string text() const;
 
  private:
   [[nodiscard]] JsonPlace below(const nlohmann::json& value, const std::string& step) const;

@@ -211,10 +211,18 @@ SharedHlod build(const SceneDescription& scene, const std::filesystem::path& fol
   return hlod;
 }
 
-SharedHlod read(const std::string& file, const std::optional<hlod::CacheOptions>& paged) {
+// Tells `progress` of the meshes, which are decompressed and checked here.
+SharedHlod read(const std::string& file, const std::optional<hlod::CacheOptions>& paged,
+                const std::function<void(const std::string&, double)>& progress) {
   if (paged) return std::make_shared<const hlod::Hlod>(open_ohlod(file, *paged).hlod);
   auto hlod = std::make_shared<const hlod::Hlod>(read_ohlod(file).hlod);
-  hlod->require_all();
+  const auto count = static_cast<hlod::NodeId>(hlod->node_count());
+  const hlod::NodeId hundredth = count / 100 + 1;
+  for (hlod::NodeId n = 0; n < count; ++n) {
+    if (progress && n % hundredth == 0) progress(file, static_cast<double>(n) / count);
+    hlod->require(n);
+    hlod->require_within(n);
+  }
   return hlod;
 }
 
@@ -251,7 +259,7 @@ std::vector<LoadedHlod> load_hlods(const SceneDescription& scene, const std::fil
       continue;
     }
     SharedHlod& shared = files[name];
-    if (!shared) shared = read(name, paged);
+    if (!shared) shared = read(name, paged, options.progress);
     hlods.push_back(
         {shared, positions_to_world(object.object_to_world, shared->data().origin), object.two_sided, name});
   }

@@ -214,6 +214,7 @@ TEST_F(CellsSession, FreezeKeepsTheCell) {
 
 // Left the cell, right a refinement of the same view.
 TEST_F(CellsSession, SplitScreenRefinesBesideIt) {
+  act(session_, {{"do", "picture_size"}, {"width", 160}, {"height", 120}});
   set("frame_to_frame", false);
   set("budget", 5000);
   const std::uint64_t refined = session_.frame()->hash;
@@ -250,6 +251,39 @@ TEST_F(CellsSession, OfAnotherSceneAreRefused) {
 }
 
 // Larger pictures magnify more than the cells were built for.
+// The picture of the viewer is a little wider than what cells are built for by default, or larger in a large window.
+TEST_F(CellsSession, OpenWithAPictureThatTheyWereBuiltFor) {
+  for (const ImageSize& window : {ImageSize{190, 120}, ImageSize{1110, 750}, ImageSize{160, 120}}) {
+    act(session_, {{"do", "close_cells"}});
+    session_.set_view_size(window);
+    walk();
+    EXPECT_EQ(figure("promised"), 1.0) << window.width;
+    EXPECT_EQ(session_.state().camera.width, 160);  // as built: see support.cpp
+    EXPECT_EQ(session_.state().camera.height, 120);
+    act(session_, {{"do", "go_to"}, {"name", "default"}});
+    EXPECT_EQ(figure("promised"), 1.0);
+  }
+  act(session_, {{"do", "close_cells"}});
+  session_.set_view_size({1110, 750});
+  EXPECT_EQ(session_.state().camera.width, 1110);
+}
+
+TEST_F(CellsSession, SayWhyTheyDoNotPromise) {
+  walk();
+  const ViewCells& cells = *session_.state().cells;
+  Camera camera = session_.state().camera;
+  EXPECT_EQ(why_not_promised(cells, camera), "");
+  for (const auto& [words, change] : std::initializer_list<std::pair<const char*, void (*)(Camera&)>>{
+           {"magnifies 2 times", [](Camera& c) { c.width = 320, c.height = 240; }},
+           {"corner to corner", [](Camera& c) { c.width = 200; }},
+           {"near plane", [](Camera& c) { c.near = 0.1; }},
+           {"orthographic", [](Camera& c) { c.orthographic_height = 10.0; }}}) {
+    Camera other = camera;
+    change(other);
+    EXPECT_NE(why_not_promised(cells, other).find(words), std::string::npos) << why_not_promised(cells, other);
+  }
+}
+
 TEST_F(CellsSession, SayWhereTheyPromise) {
   walk();
   act(session_, {{"do", "picture_size"}, {"width", 160}, {"height", 120}});

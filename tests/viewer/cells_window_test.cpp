@@ -1,8 +1,12 @@
 // View cells in the window: each control by script with a picture of what it changes.
 #include <gtest/gtest.h>
 
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
 #include <cstdlib>
 #include <string>
+#include <tuple>
 
 #include "setting_table.h"
 #include "viewer/golden.h"
@@ -79,6 +83,34 @@ TEST_F(Cells, FromOutside) {
   set("cells_color_by", "plain");
   set("cell_boxes", "triangles");
   expect_golden("cells_boxes");
+}
+
+// Where cells are drawn there is no budget and no occlusion, unless a refinement stands beside them.
+TEST_F(Cells, KeysActOnWhatIsShown) {
+  const Settings before = session().state().settings;
+  press(GLFW_KEY_C);
+  EXPECT_NE(session().state().settings.cells.color_by, before.cells.color_by);
+  EXPECT_EQ(session().state().settings.look.color_by, before.look.color_by);
+  for (const int key : {GLFW_KEY_O, GLFW_KEY_U, GLFW_KEY_EQUAL, GLFW_KEY_MINUS}) {
+    act({{"do", "dismiss"}});
+    press(key);
+    ASSERT_EQ(session().state().notices.size(), 1U) << key;
+    EXPECT_NE(session().state().notices[0].text.find("view cells"), std::string::npos);
+  }
+  const auto is_as_before = [&] {
+    const Settings& now = session().state().settings;
+    return std::tuple(now.occlusion == before.occlusion, now.refine.budget == before.refine.budget);
+  };
+  EXPECT_EQ(is_as_before(), std::tuple(true, true));
+  EXPECT_FALSE(session().state().settings.insets.occluder);
+  set("compare", true);
+  press(GLFW_KEY_O);
+  press(GLFW_KEY_EQUAL);
+  EXPECT_EQ(is_as_before(), std::tuple(false, false));
+  set("compare", false);
+  set("walk_cells", false);
+  press(GLFW_KEY_C);
+  EXPECT_NE(session().state().settings.look.color_by, before.look.color_by);
 }
 
 // Without left-out faces nothing of the picture from inside is missing: it is the same with them, but for triangles so

@@ -1,6 +1,9 @@
 // No control that a script cannot drive, and nothing that only a script can.
 #include <gtest/gtest.h>
 
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
 #include <set>
 
 #include "command.h"
@@ -60,6 +63,67 @@ TEST_F(Controls, KeysPerformTheirActions) {
   const std::size_t budget = session().state().settings.refine.budget;
   press_key(application_->panels(), '=', 0);
   EXPECT_EQ(session().state().settings.refine.budget, 2 * budget);
+}
+
+// What is typed from the key that opens the dialogue on is its path, and nothing of it a key of the view.
+TEST_F(Controls, TheOpenDialogueTakesTheKeyboard) {
+  start();
+  const auto file = folder_.write("xp.json", planet_scene(3));
+  const bool wire = session().state().settings.look.wire;
+  for (const bool drawn : {false, true}) {
+    press(GLFW_KEY_O, GLFW_MOD_CONTROL);
+    if (drawn) draw(3);
+    type("xp");
+    EXPECT_TRUE(session().state().captures.empty());
+    draw(3);
+    EXPECT_EQ(session().state().settings.look.wire, wire);
+    EXPECT_EQ(application_->panels().fields.open_file, "xp");
+    type(" z");
+    draw(2);
+    EXPECT_EQ(application_->panels().fields.open_file, "xp z");
+    press(GLFW_KEY_ESCAPE);
+    draw(2);
+    EXPECT_FALSE(application_->panels().fields.opens);
+    type("x");  // for the view again
+    draw(2);
+    EXPECT_NE(session().state().settings.look.wire, wire);
+    type("x");
+    draw(2);
+  }
+  press(GLFW_KEY_O, GLFW_MOD_CONTROL);
+  type(file.string());
+  draw(3);
+  press(GLFW_KEY_ENTER, 0, true);
+  draw(3);
+  while (!session().settled()) draw();
+  EXPECT_EQ(session().state().objects->size(), 2U) << application_->panels().fields.open_file;
+  EXPECT_EQ(session().state().errors, 0);
+}
+
+TEST_F(Controls, KeysWithoutAnythingToActOnSaySo) {
+  start({{"objects", {{{"generator", "rough-planet"}, {"options", {{"level", 3}}}}}}});
+  for (const int key : {GLFW_KEY_1, GLFW_KEY_SPACE}) {
+    act({{"do", "dismiss"}});
+    press(key);
+    ASSERT_EQ(session().state().notices.size(), 1U) << key;
+    EXPECT_FALSE(session().state().notices[0].is_error);
+  }
+}
+
+TEST_F(Controls, EscapeClosesTheHelpThenThePick) {
+  start();
+  act({{"do", "pick"}, {"x", 0.5}, {"y", 0.9}});
+  ASSERT_TRUE(session().state().pick);
+  press(GLFW_KEY_F1);
+  draw(2);
+  ASSERT_TRUE(session().state().settings.window.help);
+  press(GLFW_KEY_ESCAPE);
+  draw(2);
+  EXPECT_FALSE(session().state().settings.window.help);
+  EXPECT_TRUE(session().state().pick);
+  press(GLFW_KEY_ESCAPE);
+  draw(2);
+  EXPECT_FALSE(session().state().pick);
 }
 
 }  // namespace

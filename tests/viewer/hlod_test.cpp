@@ -65,6 +65,67 @@ TEST_F(HlodSession, OpensLikeAMesh) {
   EXPECT_EQ(triangles, stats().drawn_triangles);
 }
 
+// Reading tells how far it is, and may be ended.
+TEST_F(HlodSession, ReadingTellsItsProgress) {
+  std::vector<double> told;
+  LoadOptions options;
+  options.progress = [&](const std::string& what, double done) {
+    EXPECT_NE(what.find("city.ohlod"), std::string::npos);
+    told.push_back(done);
+  };
+  static_cast<void>(load_hlods(read_scene(scene_), folder_.path(""), options));
+  EXPECT_GT(told.size(), 40U);
+  EXPECT_EQ(told.front(), 0.0);
+  EXPECT_GT(told.back(), 0.95);
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+}
+
+// Whatever is shown of it, while it gets finer and where it stays.
+TEST_F(HlodSession, TheToleranceIsRaisedUntilTrianglesAreFew) {
+  open();
+  act(session_, {{"do", "go_to"}, {"name", "above"}});
+  const std::size_t of_front = stats().drawn_triangles;
+  const std::uint64_t hash = side().front->frame.front_hash;
+  EXPECT_EQ(session_.figures().at("tolerance_px"), 1.0);
+  for (const std::size_t most : {of_front / 2, of_front / 5, of_front / 20}) {
+    session_.perform(json{{"do", "set"}, {"setting", "most_triangles"}, {"value", most}});
+    do {
+      session_.update(0.01, 1000.0);
+      session_.picture_drawn({});
+      ASSERT_LE(session_.is_current() ? stats().drawn_triangles : 0, most);
+    } while (!session_.settled());
+    EXPECT_GT(stats().drawn_triangles, most / 4) << most;
+    EXPECT_GT(session_.figures().at("tolerance_px"), 1.0);
+    EXPECT_EQ(session_.figures().at("tolerance_px"), side().tolerance_px);
+  }
+  set("most_triangles", of_front);
+  EXPECT_EQ(session_.figures().at("tolerance_px"), 1.0);
+  EXPECT_EQ(side().front->frame.front_hash, hash);
+  set("most_triangles", 1000);
+  EXPECT_GT(session_.figures().at("tolerance_px"), 1.0);
+  set("most_triangles", 0);
+  EXPECT_EQ(session_.figures().at("tolerance_px"), 1.0);
+  EXPECT_EQ(side().front->frame.front_hash, hash);
+}
+
+// A large one begins coarse.
+TEST_F(HlodSession, TheFirstFrameOfALargeOneIsCoarse) {
+  open();
+  set("most_triangles", hlod().data().input_triangle_count / 2);
+  act(session_, {{"do", "close_all"}});
+  session_.perform(json{{"do", "open"}, {"file", scene_.string()}});
+  std::vector<double> tolerances;
+  do {
+    session_.update(0.01, 1000.0);
+    session_.picture_drawn({});
+    if (session_.is_current()) tolerances.push_back(side().tolerance_px);
+  } while (!session_.settled());
+  ASSERT_FALSE(tolerances.empty());
+  EXPECT_EQ(tolerances.front(), 64.0);
+  EXPECT_LT(tolerances.back(), 16.0);
+  EXPECT_GT(tolerances.size(), 3U);
+}
+
 // Meshes come while the view stands still, within the budget, until there are those of the whole HLOD's front, and a
 // damaged one is counted.
 TEST_F(HlodSession, MeshesComeAndGo) {

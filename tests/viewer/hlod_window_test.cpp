@@ -1,6 +1,9 @@
 // HLODs in the window: each control by script with a picture of what it changes.
 #include <gtest/gtest.h>
 
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
 #include <cstdlib>
 #include <map>
 #include <string>
@@ -46,7 +49,9 @@ class Hlod : public WindowTest {
 TEST_F(Hlod, EveryControlShowsItsValue) {
   set("device", "software");
   act({{"do", "picture_size"}, {"width", 120}, {"height", 90}});
-  act({{"do", "window_size"}, {"width", 700}, {"height", 1040}});  // the whole panel
+  act({{"do", "window_size"}, {"width", 700}, {"height", 1040}});  // the whole sidebar
+  set("scale", 0.6);
+  application_->panels().unfold = true;
   set("graph", false);
   for (const Setting& setting : hlod_settings()) {
     const json before = setting.get(session().state().settings);
@@ -128,6 +133,33 @@ TEST_F(Hlod, InsetAndPick) {
   act({{"do", "pick"}, {"x", 0.5}, {"y", 0.8}});
   EXPECT_EQ(session().figures().at("picked"), 1.0);
   EXPECT_GT(changed(screenshot(true), plain), 1000U);  // its box, and its numbers
+}
+
+// Each key changes a setting of HLODs, or says why it does nothing.
+TEST_F(Hlod, KeysActOnWhatIsShown) {
+  const auto expect_changed = [&](int key, const char* setting) {
+    const json before = find_setting(setting)->get(session().state().settings);
+    press(key);
+    draw(2);
+    EXPECT_NE(find_setting(setting)->get(session().state().settings), before) << setting;
+  };
+  expect_changed(GLFW_KEY_C, "hlod_color_by");
+  expect_changed(GLFW_KEY_O, "strategy");
+  expect_changed(GLFW_KEY_V, "shading");
+  EXPECT_EQ(session().state().settings.look.color_by, Settings().look.color_by);
+  EXPECT_EQ(session().state().settings.occlusion, Settings().occlusion);
+  const double tolerance = session().state().settings.hlod.traverse.tolerance_px;
+  press(GLFW_KEY_EQUAL);
+  EXPECT_EQ(session().state().settings.hlod.traverse.tolerance_px, tolerance / 2.0);
+  press(GLFW_KEY_MINUS);
+  press(GLFW_KEY_KP_SUBTRACT);
+  EXPECT_EQ(session().state().settings.hlod.traverse.tolerance_px, tolerance * 2.0);
+  EXPECT_EQ(session().state().settings.refine.budget, Settings().refine.budget);
+  act({{"do", "dismiss"}});
+  press(GLFW_KEY_U);
+  ASSERT_EQ(session().state().notices.size(), 1U);
+  EXPECT_NE(session().state().notices[0].text.find("HLOD"), std::string::npos);
+  EXPECT_FALSE(session().state().settings.insets.occluder);
 }
 
 // OpenGL in a context of its own draws what the rasteriser draws, but for pixels at edges: about as many nodes.

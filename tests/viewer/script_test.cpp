@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <tuple>
 
 #include "occlod/base.h"
 #include "viewer/support.h"
@@ -55,6 +56,29 @@ TEST_F(ScriptTest, EveryActionSeesWhatTheOnesBeforeHaveDone) {
             "");
   ASSERT_EQ(reports_.size(), 1U);
   EXPECT_GE(reports_[0].at("triangles"), 1400);
+}
+
+// A long script is not searched for what "/actions/17/value" was.
+TEST_F(ScriptTest, ErrorsNameSettingAndValue) {
+  const auto words_of = [&](const char* setting, const json& value) {
+    return run({{{"do", "set"}, {"setting", setting}, {"value", value}}});
+  };
+  for (const auto& [setting, value, words] :
+       {std::tuple("budget", json(3), "/actions/0/value: budget = 3 is not between 1000 and 10000000"),
+        std::tuple("budget", json("many"), "budget = \"many\""),
+        std::tuple("shading", json("round"), "shading = \"round\""),
+        std::tuple("shading", json("round"), "smooth, flat"), std::tuple("wire", json(1), "wire = 1"),
+        std::tuple("occluder_splits", json({5, 3}), "/actions/0/value/1: occluder_splits = [5,3]"),
+        std::tuple("budgets", json(1), "\"budgets\" is not a setting")})
+    EXPECT_NE(words_of(setting, value).find(words), std::string::npos) << words_of(setting, value);
+  EXPECT_LT(words_of("budget", std::string(5000, 'x')).size(), 300U);
+  for (const auto& [action, words] :
+       {std::pair(json{{"do", "go_to"}, {"name", "home"}}, "\"home\" is no bookmark"),
+        std::pair(json{{"do", "play"}, {"name", "round"}}, "\"round\" is not a camera path"),
+        std::pair(json{{"do", "select"}, {"object", "cow"}}, "\"cow\" is not an open object"),
+        std::pair(json{{"do", "flip"}, {"setting", "budget"}}, "budget is neither"),
+        std::pair(json{{"do", "expect"}, {"figure", "speed"}}, "\"speed\" is no figure")})
+    EXPECT_NE(run(json::array({action})).find(words), std::string::npos) << run(json::array({action}));
 }
 
 TEST_F(ScriptTest, RepeatsAndWaits) {

@@ -109,6 +109,42 @@ TEST_F(SessionTest, ObjectsAreMovedShownAndClosed) {
 }
 
 // As many pixels as the cursor has moved, at the object's own distance.
+TEST_F(SessionTest, ObjectsOfOneNameAreToldApart) {
+  json scene = test::planet_scene(3);
+  scene["objects"] = {scene["objects"][0], scene["objects"][0]};
+  open(scene);
+  act(session_, {{"do", "open"}, {"file", folder_.path("planet.json").string()}});
+  std::vector<std::string> names;
+  for (const PlacedObject& object : *session_.state().objects) names.push_back(object.name);
+  ASSERT_EQ(names.size(), 4U);
+  for (std::size_t i = 1; i < 4; ++i) EXPECT_EQ(names[i], fmt::format("{} ({})", names[0], i + 1));
+  act(session_, {{"do", "close"}, {"object", names[1]}});
+  act(session_, {{"do", "select"}, {"object", names[3]}});
+  EXPECT_EQ(session_.state().selected, session_.state().objects->at(2).id);
+}
+
+TEST_F(SessionTest, MissingImagesAreToldInTheWindow) {
+  std::ofstream(folder_.path("a.mtl"))
+      << "newmtl a\nmap_Kd nowhere.png\nnewmtl b\nmap_Kd b.png\nnewmtl c\nmap_Kd c.png\n";
+  std::ofstream(folder_.path("a.obj")) << "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                                          "usemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 1/1 3/3 2/2\nusemtl c\nf 2/2 3/3 1/1\n";
+  act(session_, {{"do", "open"}, {"file", folder_.path("a.obj").string()}});
+  const auto& notices = session_.state().notices;
+  ASSERT_EQ(notices.size(), 3U);
+  EXPECT_NE(notices[0].text.find("nowhere.png"), std::string::npos) << notices[0].text;
+  EXPECT_NE(notices[1].text.find("b.png"), std::string::npos) << notices[1].text;
+  EXPECT_NE(notices[2].text.find("1 more"), std::string::npos) << notices[2].text;
+  for (const Notice& notice : notices) EXPECT_TRUE(notice.is_warning && !notice.is_error);
+  EXPECT_EQ(session_.state().errors, 0);
+}
+
+TEST_F(SessionTest, UnknownEndingsAreToldWithAllThatCanBeOpened) {
+  act(session_, {{"do", "open"}, {"file", folder_.write("planet.max", json::object()).string()}});
+  ASSERT_EQ(session_.state().notices.size(), 1U);
+  for (const char* ending : {"planet.max", ".ply", ".glb", ".olod", ".ohlod", ".json", ".vlod"})
+    EXPECT_NE(session_.state().notices[0].text.find(ending), std::string::npos) << session_.state().notices[0].text;
+}
+
 TEST_F(SessionTest, DraggedObjectFollowsTheCursor) {
   open();
   act(session_, {{"do", "go_to"}, {"name", "far"}});

@@ -4,6 +4,7 @@
 #include <GL/glcorearb.h>
 #include <GLFW/glfw3.h>
 
+#include <cctype>
 #include <chrono>
 
 #include "viewer/window_support.h"
@@ -17,7 +18,8 @@ void WindowTest::start(const nlohmann::json& scene, ImageSize size) {
   options.use_cache = false;
   options.debug_gl = true;
   application_ = std::make_unique<Application>(options);
-  act({{"do", "set"}, {"setting", "scale"}, {"value", 1.0}});
+  set("scale", 1.0);
+  set("legend", false);  // pictures without text
 }
 
 void WindowTest::act(const nlohmann::json& action) {
@@ -35,6 +37,25 @@ void WindowTest::set(const char* setting, const nlohmann::json& value) {
 
 void WindowTest::draw(int pictures) {
   for (int i = 0; i < pictures; ++i) ASSERT_TRUE(application_->step());
+}
+
+// A callback is returned only for another one.
+void WindowTest::press(int key, int mods, bool stays_down) {
+  GLFWwindow* window = application_->window().handle();
+  const GLFWkeyfun told = glfwSetKeyCallback(window, nullptr);
+  glfwSetKeyCallback(window, told);
+  told(window, key, 0, GLFW_PRESS, mods);
+  if (!stays_down) told(window, key, 0, GLFW_RELEASE, mods);
+}
+
+void WindowTest::type(const std::string& characters) {
+  GLFWwindow* window = application_->window().handle();
+  const GLFWcharfun told = glfwSetCharCallback(window, nullptr);
+  glfwSetCharCallback(window, told);
+  for (const char c : characters) {
+    press(std::toupper(static_cast<unsigned char>(c)));
+    told(window, static_cast<unsigned char>(c));
+  }
 }
 
 std::map<std::string, int> count_gl_objects() {

@@ -18,6 +18,9 @@ class WindowTest : public ::testing::Test {
   void act(const nlohmann::json& action);
   void set(const char* setting, const nlohmann::json& value);
   void draw(int pictures = 1);
+  // Presses a key, and types characters, as the window system tells them. Dear ImGui sees only keys that stay down.
+  void press(int key, int mods = 0, bool stays_down = false);
+  void type(const std::string& characters);
   [[nodiscard]] Session& session() { return application_->session(); }
 
   Folder folder_;

@@ -12,15 +12,6 @@
 namespace occlod::viewer {
 namespace {
 
-bool can_be_opened(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  for (const char* known : {".ply", ".obj", ".off", ".stl", ".gltf", ".glb", ".olod", ".ohlod", ".vlod", ".json"})
-    if (extension == known) return true;
-  return false;
-}
-
 struct Folder {
   std::vector<std::filesystem::path> folders;
   std::vector<std::filesystem::path> files;
@@ -81,7 +72,11 @@ void draw_files(Panels& panels) {
   panels.drawn.insert("forget_recent");
   ImGui::SameLine();
   draw_button(panels, "close_all", nlohmann::json::object(), nullptr, third);
+}
 
+void draw_output(Panels& panels) {
+  if (!begin_section(panels, "Files", false)) return;
+  const float third = (ImGui::GetContentRegionAvail().x - 2.0F * ImGui::GetStyle().ItemSpacing.x) / 3.0F;
   draw_setting(panels, "open_as");
   draw_button(panels, "save_scene", {{"file", panels.fields.save_scene}}, nullptr, third);
   ImGui::SameLine();
@@ -91,30 +86,58 @@ void draw_files(Panels& panels) {
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-1.0F);
   ImGui::InputText("##screenshot", &panels.fields.screenshot);
+  draw_button(panels, "export_mesh", {{"file", panels.fields.mesh}}, nullptr, third);
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1.0F);
+  ImGui::InputText("##mesh", &panels.fields.mesh);
 }
 
+namespace {
+
+// Draws the field for the path of a file. It has the focus when the dialogue appears, and gets it back when something
+// is typed. Returns true when Enter is pressed.
+bool draw_path_field(Fields& fields) {
+  // Dear ImGui takes no characters before the picture after the one in which a field gets the focus, so they wait.
+  ImVector<ImWchar>& typed = ImGui::GetIO().InputQueueCharacters;
+  if (fields.types_path || !ImGui::IsAnyItemActive()) {
+    for (const ImWchar c : typed) fields.typed_early.push_back(c);
+    typed.clear();
+    if (fields.types_path) typed.swap(fields.typed_early);
+    if (ImGui::IsWindowAppearing() || !fields.typed_early.empty()) ImGui::SetKeyboardFocusHere();
+  }
+  const bool entered = ImGui::InputTextWithHint("##file", "or type the path of a file", &fields.open_file,
+                                                ImGuiInputTextFlags_EnterReturnsTrue);
+  fields.types_path = ImGui::IsItemActive();
+  return entered;
+}
+
+}  // namespace
+
 void draw_open_dialogue(Panels& panels, const Layout& layout) {
-  if (!panels.fields.opens) return;
   Fields& fields = panels.fields;
+  if (fields.opens && !ImGui::IsPopupOpen("Open")) {
+    ImGui::OpenPopup("Open");
+    fields.open_file.clear();
+    fields.types_path = false;
+  }
   if (fields.open_folder.empty()) fields.open_folder = std::filesystem::current_path().string();
   const ImVec2 middle((layout.view.low.x + layout.view.high.x) / 2.0F, (layout.view.low.y + layout.view.high.y) / 2.0F);
   ImGui::SetNextWindowPos(middle, ImGuiCond_Appearing, ImVec2(0.5F, 0.5F));
   ImGui::SetNextWindowSize(ImVec2(520.0F * panels.scale, 420.0F * panels.scale), ImGuiCond_Appearing);
-  if (ImGui::Begin("Open", &fields.opens, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings)) {
-    ImGui::SetNextItemWidth(-1.0F);
-    ImGui::InputText("##folder", &fields.open_folder);
-    const float line = ImGui::GetFrameHeightWithSpacing();
-    ImGui::BeginChild("content", ImVec2(0.0F, -line), true);
-    draw_folder(panels);
-    ImGui::EndChild();
-    ImGui::SetNextItemWidth(-80.0F * panels.scale);
-    const bool entered = ImGui::InputTextWithHint("##file", "or type the path of a file", &fields.open_file,
-                                                  ImGuiInputTextFlags_EnterReturnsTrue);
-    ImGui::SameLine();
-    if ((ImGui::Button("Open", ImVec2(-1.0F, 0.0F)) || entered) && !fields.open_file.empty())
-      open(panels, fields.open_file);
-  }
-  ImGui::End();
+  if (!ImGui::BeginPopupModal("Open", &fields.opens, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings))
+    return;
+  ImGui::SetNextItemWidth(-1.0F);
+  ImGui::InputText("##folder", &fields.open_folder);
+  const float line = ImGui::GetFrameHeightWithSpacing();
+  ImGui::BeginChild("content", ImVec2(0.0F, -line), true);
+  draw_folder(panels);
+  ImGui::EndChild();
+  ImGui::SetNextItemWidth(-80.0F * panels.scale);
+  const bool entered = draw_path_field(fields);
+  ImGui::SameLine();
+  if ((ImGui::Button("Open", ImVec2(-1.0F, 0.0F)) || entered) && !fields.open_file.empty())
+    open(panels, fields.open_file);
+  ImGui::EndPopup();
 }
 
 }  // namespace occlod::viewer

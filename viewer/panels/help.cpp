@@ -4,6 +4,7 @@
 
 #include "keys.h"
 #include "panels.h"
+#include "theme.h"
 
 namespace occlod::viewer {
 namespace {
@@ -25,14 +26,14 @@ constexpr std::array<Line, 17> mouse = {{{"left drag", "orbit; look around when 
                                          {"Space", "play the first camera path, or stop it"},
                                          {"R", "start or stop recording a camera path"},
                                          {"P", "screenshot; Shift + P includes the panels"},
-                                         {"+ -", "double or halve the budget"},
+                                         {"+ -", "double or halve the budget; halve or double an HLOD's tolerance"},
                                          {"Ctrl + O", "open"},
                                          {"Ctrl + S", "save the scene"},
                                          {"Ctrl + click", "type the value of a slider"}}};
 
 void draw_cells(const char* keys, const char* what) {
   ImGui::TableNextColumn();
-  ImGui::TextColored(ImVec4(0.93F, 0.68F, 0.36F, 1.0F), "%s", keys);
+  ImGui::TextColored(accent_color(), "%s", keys);
   ImGui::TableNextColumn();
   ImGui::Text("%s    ", what);
 }

@@ -30,13 +30,18 @@ void draw_inset(const char* name, const char* title, ImTextureID texture, const 
   ImGui::End();
 }
 
-void draw_tag(const char* name, const Area& picture, const std::string& text, float margin) {
+// Draws a line at the top of a picture, or several where that is narrow. Returns the height that they take.
+float draw_tag(const char* name, const Area& picture, const std::string& text, float margin) {
   ImGui::SetNextWindowPos(ImVec2((picture.low.x + picture.high.x) / 2.0F, picture.low.y + margin), ImGuiCond_Always,
                           ImVec2(0.5F, 0.0F));
   ImGui::SetNextWindowBgAlpha(0.85F);
   ImGui::Begin(name, nullptr, inset_flags | ImGuiWindowFlags_NoInputs);
+  ImGui::PushTextWrapPos(std::max(picture.width() - 4.0F * ImGui::GetFontSize(), 1.0F));
   ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  const float height = ImGui::GetWindowHeight();
   ImGui::End();
+  return height;
 }
 
 std::string count_text(const RefinedSide& side, const char* occlusion) {
@@ -46,45 +51,88 @@ std::string count_text(const RefinedSide& side, const char* occlusion) {
                      100.0 * visible / std::max(triangles, 1.0));
 }
 
+// Describes what stands beside a refinement.
+std::string beside_text(const RefinedFrame& frame) {
+  const RefinedSide& side = frame.sides[1];
+  if (side.difference)
+    return fmt::format("off the full mesh: RMS {:.2f} px, silhouette {:.2f} %", side.difference->rms_px,
+                       side.difference->silhouette_mismatch);
+  if (frame.job.beside == Beside::full)
+    return fmt::format("full: {} triangles", grouped(static_cast<double>(side.refinement.stats.triangles)));
+  return count_text(side, "no occlusion");
+}
+
 // Formats "coh: 341 nodes, 456,789 triangles, 12.3 ms".
 std::string count_text(const HlodSide& side) {
   const hlod::Frame& frame = side.front->frame;
   const std::string& name = tool::name_of(side.strategy);
   const std::string by = frame.strategy == side.strategy ? name : name + " (" + tool::name_of(frame.strategy) + ")";
-  return fmt::format("{}: {} nodes, {} triangles, {:.2f} ms", by, grouped(static_cast<double>(frame.stats.drawn_nodes)),
-                     grouped(static_cast<double>(frame.stats.drawn_triangles)), frame.times.frame_ms);
+  return fmt::format(
+      "{}: {} nodes, {} triangles at {:.3g} px, {:.2f} ms", by, grouped(static_cast<double>(frame.stats.drawn_nodes)),
+      grouped(static_cast<double>(frame.stats.drawn_triangles)), side.tolerance_px, frame.times.frame_ms);
+}
+
+// Tells that the camera is recorded. Returns the height that this takes.
+float draw_recording(const Session& session, const Layout& layout, float margin) {
+  const Recording& recording = session.state().recording;
+  if (recording.path.empty()) return 0.0F;
+  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.95F, 0.40F, 0.36F, 1.0F));
+  const float height =
+      draw_tag("recording", layout.view,
+               fmt::format("Recording {}: {} keys; R stops", recording.path, recording.keys.keys.size()), margin);
+  ImGui::PopStyleColor();
+  return height;
+}
+
+// Tells of a tolerance that was raised. Returns the height that this takes.
+float draw_limit(const Session& session, const Layout& layout, float margin) {
+  const HlodSettings& hlod = session.state().settings.hlod;
+  const auto& frame = session.frame();
+  if (!frame || frame->hlod_sides.size() != 1) return 0.0F;
+  const double used = frame->hlod_sides[0].tolerance_px;
+  if (used <= hlod.traverse.tolerance_px || hlod.most_triangles == 0) return 0.0F;
+  return draw_tag("limit", layout.view,
+                  fmt::format("Drawn at {:.3g} px instead of {:.3g} px: {} triangles at most", used,
+                              hlod.traverse.tolerance_px, grouped(static_cast<double>(hlod.most_triangles))),
+                  margin);
 }
 
 void draw_tags(const Session& session, const Layout& layout, float margin) {
   const Settings& settings = session.state().settings;
+  const float gap = margin;
+  for (const auto& draw : {draw_recording, draw_limit})
+    if (const float height = draw(session, layout, margin); height > 0.0F) margin += height + gap;
   if (settings.compare && layout.pictures.size() == 2 && session.frame() && session.frame()->sides.size() == 2) {
     const std::string name = "occlusion " + find_setting("occlusion")->get(settings).get<std::string>();
     const bool walks = session.frame()->cells != nullptr;
     draw_tag("left", layout.pictures[0], count_text(session.frame()->sides[0], walks ? "cell" : name.c_str()), margin);
-    draw_tag("right", layout.pictures[1], count_text(session.frame()->sides[1], walks ? name.c_str() : "no occlusion"),
-             margin);
+    draw_tag("right", layout.pictures[1],
+             walks ? count_text(session.frame()->sides[1], name.c_str()) : beside_text(*session.frame()), margin);
   } else if (settings.compare && layout.pictures.size() == 2 && session.frame() &&
              session.frame()->hlod_sides.size() == 2) {
     draw_tag("left", layout.pictures[0], count_text(session.frame()->hlod_sides[0]), margin);
     draw_tag("right", layout.pictures[1], count_text(session.frame()->hlod_sides[1]), margin);
-  } else if (session.state().objects->empty() && !session.loader().busy()) {
-    draw_tag("empty", layout.view,
-             "Drop a mesh, a hierarchy or a scene here, or open one with Ctrl + O. F1 lists keys and mouse actions.",
-             margin);
   } else if (settings.freeze) {
     const bool walks = session.frame() && session.frame()->cells;
     draw_tag("frozen", layout.view, walks ? "The cell is frozen (Z)" : "Refinement is frozen (Z)", margin);
   }
 }
 
-std::vector<LegendEntry> legend_of_session(const Session& session) {
+}  // namespace
+
+std::vector<LegendEntry> legend_of(const Session& session) {
   const Settings& settings = session.state().settings;
   const Objects& objects = *session.state().objects;
   if (!are_hlods(objects)) {
     int levels = 0;
     for (const PlacedObject& object : objects) levels = std::max(levels, object.mesh->level_count);
     const auto& frame = session.frame();
-    if (!frame || !frame->cells) return legend_of(settings.look.color_by, levels);
+    if (!frame || !frame->cells) {
+      std::vector<LegendEntry> entries = legend_of(settings.look.color_by, levels);
+      if (settings.compare && settings.beside == Beside::difference)
+        for (const LegendEntry& entry : legend_of_difference()) entries.push_back(entry);
+      return entries;
+    }
     std::vector<LegendEntry> entries = legend_of(settings.cells.color_by, levels);
     for (const LegendEntry& entry : legend_of(*frame->cells->cells, settings.cells.boxes)) entries.push_back(entry);
     return entries;
@@ -95,8 +143,6 @@ std::vector<LegendEntry> legend_of_session(const Session& session) {
   for (const LegendEntry& entry : legend_of(settings.hlod.boxes)) entries.push_back(entry);
   return entries;
 }
-
-}  // namespace
 
 void draw_insets(Panels& panels, const Layout& layout) {
   const float margin = 10.0F * panels.scale;
@@ -120,7 +166,7 @@ void draw_insets(Panels& panels, const Layout& layout) {
 
 void draw_legend(Panels& panels, const Layout& layout) {
   const Settings& settings = panels.session.state().settings;
-  const std::vector<LegendEntry> entries = legend_of_session(panels.session);
+  const std::vector<LegendEntry> entries = legend_of(panels.session);
   if (!settings.window.legend || entries.empty()) return;
   const float margin = 10.0F * panels.scale;
   ImGui::SetNextWindowPos(ImVec2(layout.view.low.x + margin, layout.view.high.y - margin), ImGuiCond_Always,

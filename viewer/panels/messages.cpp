@@ -3,6 +3,7 @@
 
 #include "controls.h"
 #include "panels.h"
+#include "theme.h"
 
 namespace occlod::viewer {
 namespace {
@@ -24,12 +25,17 @@ void draw_progress(Panels& panels, const LoadProgress& progress) {
   draw_button(panels, "cancel");
 }
 
+bool is_shown(const Notice& notice) {
+  return notice.age_s < (notice.is_error || notice.is_warning ? error_s : notice_s);
+}
+
 void draw_notice(const Notice& notice, float width) {
-  if (notice.is_error) ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.95F, 0.55F, 0.48F, 1.0F));
+  if (notice.is_error) ImGui::PushStyleColor(ImGuiCol_Text, error_color_of_text());
+  if (notice.is_warning) ImGui::PushStyleColor(ImGuiCol_Text, accent_color());
   ImGui::PushTextWrapPos(width);
   ImGui::TextUnformatted(notice.text.c_str());
   ImGui::PopTextWrapPos();
-  if (notice.is_error) ImGui::PopStyleColor();
+  if (notice.is_error || notice.is_warning) ImGui::PopStyleColor();
 }
 
 }  // namespace
@@ -38,7 +44,7 @@ void draw_messages(Panels& panels, const Layout& layout) {
   const LoadProgress progress = panels.session.loader().progress();
   const auto notices = panels.session.state().notices;  // a copy, because actions change them
   bool any = !progress.what.empty();
-  for (const Notice& notice : notices) any = any || notice.age_s < (notice.is_error ? error_s : notice_s);
+  for (const Notice& notice : notices) any = any || is_shown(notice);
   if (!any) return;
   const ImVec2 at((layout.view.low.x + layout.view.high.x) / 2.0F, layout.view.high.y - 14.0F * panels.scale);
   ImGui::SetNextWindowPos(at, ImGuiCond_Always, ImVec2(0.5F, 1.0F));
@@ -46,7 +52,7 @@ void draw_messages(Panels& panels, const Layout& layout) {
   ImGui::Begin("messages", nullptr, flags);
   if (!progress.what.empty()) draw_progress(panels, progress);
   for (const Notice& notice : notices)
-    if (notice.age_s < (notice.is_error ? error_s : notice_s)) draw_notice(notice, 480.0F * panels.scale);
+    if (is_shown(notice)) draw_notice(notice, 480.0F * panels.scale);
   if (!notices.empty()) draw_button(panels, "dismiss");
   ImGui::End();
 }

@@ -1,4 +1,4 @@
-// Lists the open objects and their placements.
+// Lists the open objects.
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -32,41 +32,12 @@ void draw_row(Panels& panels, const PlacedObject& object) {
   ImGui::PopID();
 }
 
-void draw_placement(Panels& panels, const PlacedObject& object) {
-  panels.drawn.insert({"place", "two_sided"});
-  const double radius = bounds_of(object).radius;
-  if (glm::dvec3 position = object.placement.position; draw_vector("Position", position, 0.005 * radius))
-    panels.perform("place", {{"object", object.id}, {"position", as_json(position)}});
-  if (glm::dvec3 rotation = object.placement.rotation_deg; draw_vector("Rotation", rotation, 0.5))
-    panels.perform("place", {{"object", object.id}, {"rotation", as_json(rotation)}});
-  draw_label("Scale");
-  double scale = object.placement.scale;
-  const double least = 1e-6, most = 1e6;
-  if (ImGui::DragScalar("##scale", ImGuiDataType_Double, &scale, static_cast<float>(0.005 * scale), &least, &most,
-                        "%.4g", ImGuiSliderFlags_AlwaysClamp))
-    panels.perform("place", {{"object", object.id}, {"scale", scale}});
-  bool two_sided = object.two_sided;
-  if (ImGui::Checkbox("Two-sided", &two_sided))
-    panels.perform("two_sided", {{"object", object.id}, {"value", two_sided}});
-  draw_help_of_item("Both sides of triangles are visible: no back-face culling");
-  ImGui::SameLine();
-  draw_button(panels, "frame_selected");
-  ImGui::SameLine();
-  draw_button(panels, "close");
-}
-
 }  // namespace
 
 void draw_objects(Panels& panels) {
-  if (!begin_section(panels, "Objects")) return;
   const auto objects = panels.session.state().objects;  // a copy, because actions replace it
-  if (objects->empty()) ImGui::TextDisabled("none");
-  const PlacedObject* selected = nullptr;
-  for (const PlacedObject& object : *objects) {
-    draw_row(panels, object);
-    if (panels.session.state().selected == object.id) selected = &object;
-  }
-  if (selected != nullptr) draw_placement(panels, *selected);
+  if (objects->empty() || !begin_section(panels, "Objects")) return;
+  for (const PlacedObject& object : *objects) draw_row(panels, object);
 }
 
 }  // namespace occlod::viewer

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "draw/depth_texture.h"
+#include "palette.h"
 #include "session.h"
 
 namespace occlod::viewer {
@@ -40,11 +41,14 @@ struct Fields {
   std::string open_file;
   std::string save_scene = "scene.json";
   std::string screenshot = "occlod-view.png";
+  std::string mesh = "occlod-view.ply";
   std::string csv = "occlod-view.csv";
   std::string bookmark = "view 1";
   std::string path = "path 1";
   std::string pictures = "pictures";
-  bool opens = false;  // the dialogue "open" is to be opened
+  bool opens = false;             // the dialogue "open" is there
+  bool types_path = false;        // its field has the focus
+  ImVector<ImWchar> typed_early;  // before that
 };
 
 struct Insets {
@@ -60,6 +64,9 @@ struct Panels {
   bool unfold = false;          // opens all sections of the sidebar
   std::set<std::string> drawn;  // settings and commands that had a control since this was last cleared
 
+  // Returns whether keys type text, or belong to a dialogue: they are not for the view.
+  [[nodiscard]] bool takes_keys() const { return fields.opens || ImGui::GetIO().WantTextInput; }
+
   // Performs {"do": command, ...arguments}.
   void perform(const char* command, nlohmann::json arguments = nlohmann::json::object());
 };
@@ -71,6 +78,9 @@ void draw_panels(Panels& panels, const Layout& layout, const std::vector<ImTextu
 
 // Each of these draws one part, and has its own source.
 void draw_files(Panels& panels);
+void draw_output(Panels& panels);
+void draw_first(Panels& panels);
+void draw_start(Panels& panels, const Layout& layout);
 void draw_open_dialogue(Panels& panels, const Layout& layout);
 void draw_objects(Panels& panels);
 void draw_refinement(Panels& panels);
@@ -78,13 +88,18 @@ void draw_hlod(Panels& panels);
 void draw_cells(Panels& panels);
 void draw_auto(Panels& panels);
 void draw_look(Panels& panels);
-void draw_pick(Panels& panels);
+// Draws, over the view, the placement of the selected object and what was picked of it.
+void draw_selected(Panels& panels, const Layout& layout);
+void draw_study(Panels& panels);
+void draw_distance(const Session& session, const Layout& layout);
 void draw_camera(Panels& panels);
 void draw_paths(Panels& panels);
 void draw_window_settings(Panels& panels);
 void draw_numbers(Panels& panels, const Area& area);
 void draw_insets(Panels& panels, const Layout& layout);
 void draw_legend(Panels& panels, const Layout& layout);
+// Returns what the colours of the view stand for; nothing where they tell nothing.
+[[nodiscard]] std::vector<LegendEntry> legend_of(const Session& session);
 void draw_messages(Panels& panels, const Layout& layout);
 void draw_help(Panels& panels, const Layout& layout);
 

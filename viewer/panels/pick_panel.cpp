@@ -1,6 +1,7 @@
-// Describes the picked triangle and the split that made it.
+// Describes the selected object, and the picked triangle with the split or node that it comes from.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "controls.h"
@@ -45,24 +46,61 @@ void draw_node(const Session& session, const PlacedObject& object, const Pick& p
   draw_row("State", "not drawn");
 }
 
+void draw_placement(Panels& panels, const PlacedObject& object) {
+  panels.drawn.insert({"place", "two_sided"});
+  const double radius = bounds_of(object).radius;
+  if (glm::dvec3 position = object.placement.position; draw_vector("Position", position, 0.005 * radius))
+    panels.perform("place", {{"object", object.id}, {"position", as_json(position)}});
+  if (glm::dvec3 rotation = object.placement.rotation_deg; draw_vector("Rotation", rotation, 0.5))
+    panels.perform("place", {{"object", object.id}, {"rotation", as_json(rotation)}});
+  draw_label("Scale");
+  double scale = object.placement.scale;
+  const double least = 1e-6, most = 1e6;
+  if (ImGui::DragScalar("##scale", ImGuiDataType_Double, &scale, static_cast<float>(0.005 * scale), &least, &most,
+                        "%.4g", ImGuiSliderFlags_AlwaysClamp))
+    panels.perform("place", {{"object", object.id}, {"scale", scale}});
+  bool two_sided = object.two_sided;
+  if (ImGui::Checkbox("Two-sided", &two_sided))
+    panels.perform("two_sided", {{"object", object.id}, {"value", two_sided}});
+  draw_help_of_item("Both sides of triangles are visible: no back-face culling");
+  ImGui::SameLine();
+  draw_button(panels, "frame_selected");
+  ImGui::SameLine();
+  draw_button(panels, "close");
+}
+
+void draw_pick(const Session& session, const PlacedObject& object, const Pick& pick) {
+  if (object.hlod) return draw_node(session, object, pick);
+  draw_row("Triangle", fmt::format("{}, {}, {}", pick.triangle.x, pick.triangle.y, pick.triangle.z));
+  if (pick.split == no_id)
+    draw_row("Split", "none, part of the base mesh");
+  else
+    draw_split(object, pick.split);
+}
+
 }  // namespace
 
-void draw_pick(Panels& panels) {
-  const auto& pick = panels.session.state().pick;
-  if (!pick || !begin_section(panels, "Picked")) return;
-  for (const PlacedObject& object : *panels.session.state().objects) {
-    if (object.id != pick->object) continue;
-    draw_row("Object", object.name);
-    if (!object.hlod)
-      draw_row("Triangle", fmt::format("{}, {}, {}", pick->triangle.x, pick->triangle.y, pick->triangle.z));
-    if (object.hlod)
-      draw_node(panels.session, object, *pick);
-    else if (pick->split == no_id)
-      draw_row("Split", "none, part of the base mesh");
-    else
-      draw_split(object, pick->split);
+void draw_selected(Panels& panels, const Layout& layout) {
+  const State& state = panels.session.state();
+  const auto objects = state.objects;  // a copy, because actions replace it
+  const auto selected = std::ranges::find(*objects, state.selected, &PlacedObject::id);
+  if (selected == objects->end()) return;
+  const float margin = 10.0F * panels.scale;
+  const float width = std::min(310.0F * panels.scale, layout.view.width() - 2.0F * margin);
+  ImGui::SetNextWindowPos(ImVec2(layout.view.high.x - margin, layout.view.high.y - margin), ImGuiCond_Always,
+                          ImVec2(1.0F, 1.0F));
+  ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0.0F), ImVec2(width, layout.view.height() - 2.0F * margin));
+  ImGui::SetNextWindowBgAlpha(0.97F);
+  bool open = true;
+  if (ImGui::Begin(
+          (selected->name + "###selected").c_str(), &open,
+          ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing)) {
+    if (state.pick && state.pick->object == selected->id) draw_pick(panels.session, *selected, *state.pick);
+    draw_placement(panels, *selected);
+    panels.drawn.insert("unpick");
   }
-  draw_button(panels, "unpick");
+  ImGui::End();
+  if (!open) panels.perform("unpick");
 }
 
 }  // namespace occlod::viewer

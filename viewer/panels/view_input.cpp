@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <iterator>
 #include <optional>
+#include <utility>
 
 #include "keys.h"
 
@@ -42,7 +43,7 @@ void set(Panels& panels, const char* setting, const nlohmann::json& value) {
 
 void ViewInput::update(Panels& panels, const Layout& layout, const glm::dvec3& held, double seconds) {
   const ImGuiIO& io = ImGui::GetIO();
-  moves_ = held != glm::dvec3(0.0) && !io.WantTextInput;
+  moves_ = held != glm::dvec3(0.0) && !panels.takes_keys();
   if (moves_) {
     const glm::dvec3 by = held * (io.KeyShift ? fast : 1.0);
     panels.perform("move", {{"right", by.x}, {"up", by.y}, {"ahead", by.z}, {"seconds", std::min(seconds, 0.1)}});
@@ -98,7 +99,9 @@ void ViewInput::drag(Panels& panels, const ImVec2& by) {
 }
 
 void ViewInput::release(Panels& panels) {
-  if (button_ == 0 && !moved_ && !drags_object_) panels.perform("pick", place_in(picture_, start_));
+  const bool measures = panels.session.state().settings.measure;
+  if (button_ == 0 && !moved_ && !drags_object_)
+    panels.perform(measures ? "measure" : "pick", place_in(picture_, start_));
   button_ = -1;
 }
 
@@ -121,8 +124,9 @@ namespace {
 
 void press_digit(Panels& panels, std::size_t digit) {
   const auto& bookmarks = panels.session.state().bookmarks;
-  if (digit < bookmarks.size())
-    panels.perform("go_to", {{"name", std::next(bookmarks.begin(), static_cast<std::ptrdiff_t>(digit))->first}});
+  if (digit >= bookmarks.size())
+    return panels.session.notify(fmt::format("there is no bookmark {}; B makes one", digit + 1));
+  panels.perform("go_to", {{"name", std::next(bookmarks.begin(), static_cast<std::ptrdiff_t>(digit))->first}});
 }
 
 // Returns "name", or the first of "name 2", "name 3", ... that is not taken.
@@ -146,6 +150,8 @@ void press_play(Panels& panels) {
     panels.perform("stop");
   else if (!state.paths.empty())
     panels.perform("play", {{"name", state.paths.begin()->first}});
+  else
+    panels.session.notify("there is no camera path to play; R records one");
 }
 
 void take_screenshot(Panels& panels, bool with_panels) {
@@ -155,18 +161,45 @@ void take_screenshot(Panels& panels, bool with_panels) {
   panels.session.notify("wrote " + name + ".png");
 }
 
-void scale_budget(Panels& panels, double factor) {
-  const auto budget = static_cast<double>(panels.session.state().settings.refine.budget);
-  set(panels, "budget", std::round(std::clamp(budget * factor, 1e3, 1e7)));
+// Shows twice or half as much: a budget of triangles, or the tolerance of an HLOD.
+void scale_detail(Panels& panels, double factor) {
+  const Settings& settings = panels.session.state().settings;
+  switch (shown_in(panels.session)) {
+    case Shown::hlods: {
+      constexpr double least_px = 1.0 / 64.0;
+      return set(panels, "hlod_tolerance",
+                 std::clamp(std::max(settings.hlod.traverse.tolerance_px, least_px) / factor, least_px, 64.0));
+    }
+    case Shown::cells:
+      return panels.session.notify(
+          "+ and - do nothing with view cells, which have the triangles that they were built with; switch Walk off, or "
+          "split the screen (T), to refine");
+    case Shown::meshes:
+    case Shown::cells_beside_meshes:
+      return set(panels, "budget",
+                 std::round(std::clamp(static_cast<double>(settings.refine.budget) * factor, 1e3, 1e7)));
+  }
+}
+
+// Closes the dialogue in front. Returns false if there is none.
+bool close_dialogue(Panels& panels) {
+  if (std::exchange(panels.fields.opens, false)) return true;
+  if (!panels.session.state().settings.window.help) return false;
+  set(panels, "help", false);
+  return true;
 }
 
 }  // namespace
 
 void press_key(Panels& panels, int key, int mods) {
+  if (key == GLFW_KEY_ESCAPE && close_dialogue(panels)) return;
+  if (panels.takes_keys()) return;
   const bool control = (mods & GLFW_MOD_CONTROL) != 0;
   for (const KeyBinding& binding : key_bindings())
-    if (binding.key == key && ((binding.mods & GLFW_MOD_CONTROL) != 0) == control)
-      return panels.session.perform(binding.action);
+    if (binding.key == key && ((binding.mods & GLFW_MOD_CONTROL) != 0) == control) {
+      const nlohmann::json& action = action_of(binding, shown_in(panels.session));
+      return action.is_string() ? panels.session.notify(action.get<std::string>()) : panels.session.perform(action);
+    }
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9) return press_digit(panels, static_cast<std::size_t>(key - GLFW_KEY_1));
   const State& state = panels.session.state();
   switch (key) {
@@ -181,10 +214,10 @@ void press_key(Panels& panels, int key, int mods) {
       return take_screenshot(panels, (mods & GLFW_MOD_SHIFT) != 0);
     case GLFW_KEY_EQUAL:
     case GLFW_KEY_KP_ADD:
-      return scale_budget(panels, 2.0);
+      return scale_detail(panels, 2.0);
     case GLFW_KEY_MINUS:
     case GLFW_KEY_KP_SUBTRACT:
-      return scale_budget(panels, 0.5);
+      return scale_detail(panels, 0.5);
     case GLFW_KEY_O:
       if (control) panels.fields.opens = true;
       return;

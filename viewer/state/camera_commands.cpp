@@ -46,6 +46,7 @@ void picture_size(Session& session, const JsonPlace& action) {
   State& state = session.state();
   if (action.has("width") != action.has("height"))
     action.fail("has only one of width and height", "give both or neither");
+  state.is_sized_for_cells = false;
   if (!action.has("width")) {
     state.fixed_size.reset();
     return;
@@ -76,7 +77,8 @@ void frame_selected(Session& session, const JsonPlace& action) {
 
 void look_along(Session& session, const JsonPlace& action) {
   if (!view_from(session.state().camera, action.at("side").string(), bounds_of(*session.state().objects)))
-    action.at("side").fail("is no side", "use one of: front, back, left, right, top, bottom");
+    action.at("side").fail(action.at("side").text() + " is no side",
+                           "use one of: front, back, left, right, top, bottom");
   fit(session);
 }
 
@@ -139,7 +141,8 @@ void move_camera(Session& session, const JsonPlace& action) {
 void look_at(Session& session, const JsonPlace& action) {
   State& state = session.state();
   if (!session.frame()) action.fail("nothing is open", "open a mesh first");
-  const auto hit = cast_ray(*session.frame(), ray_through(state.camera, place_of(action)));
+  const auto hit = cast_ray(*session.frame(), ray_through(state.camera, place_of(action)),
+                            clip_plane(state.settings.clip, *state.objects));
   if (!hit) return;
   state.camera.eye += hit->point - state.camera.target;
   state.camera.target = hit->point;
@@ -150,7 +153,8 @@ void look_at(Session& session, const JsonPlace& action) {
 void turn_up(Session& session, const JsonPlace& action) {
   State& state = session.state();
   const std::string axis = action.at("axis").string();
-  if (axis != "y" && axis != "z") action.at("axis").fail("is no axis that can point up", "use y or z");
+  if (axis != "y" && axis != "z")
+    action.at("axis").fail(action.at("axis").text() + " is no axis that can point up", "use y or z");
   state.camera.up = axis == "y" ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(0.0, 0.0, 1.0);
   static_cast<void>(view_from(state.camera, "front", bounds_of(*state.objects)));
   fit(session);
@@ -163,7 +167,7 @@ void bookmark(Session& session, const JsonPlace& action) {
 void go_to(Session& session, const JsonPlace& action) {
   State& state = session.state();
   const auto found = state.bookmarks.find(action.at("name").string());
-  if (found == state.bookmarks.end()) action.at("name").fail("is no bookmark");
+  if (found == state.bookmarks.end()) action.at("name").fail(action.at("name").text() + " is no bookmark");
   const ImageSize size{state.camera.width, state.camera.height};
   state.camera = found->second;
   state.camera.width = size.width;
@@ -171,7 +175,8 @@ void go_to(Session& session, const JsonPlace& action) {
 }
 
 void forget(Session& session, const JsonPlace& action) {
-  if (session.state().bookmarks.erase(action.at("name").string()) == 0) action.at("name").fail("is no bookmark");
+  const JsonPlace name = action.at("name");
+  if (session.state().bookmarks.erase(name.string()) == 0) name.fail(name.text() + " is no bookmark");
 }
 
 }  // namespace

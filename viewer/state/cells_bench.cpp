@@ -31,16 +31,6 @@ Camera without_size(Camera camera) {
   return camera;
 }
 
-bool is_promised(const ViewCells& cells, const Camera& camera) {
-  if (camera.orthographic_height) return false;
-  const EyeModel built = cells.file->options().cell.eyes;
-  const EyeModel seen = eye_model(View(camera));
-  constexpr double rounding = 1e-9;
-  return seen.focal_length_px <= built.focal_length_px * (1.0 + rounding) &&
-         seen.cos_corner_angle >= built.cos_corner_angle * (1.0 - rounding) &&
-         seen.near >= built.near * (1.0 - rounding);
-}
-
 }  // namespace
 
 void CellsBench::forget() {
@@ -197,7 +187,7 @@ void CellsBench::walk(RefinedFrame& frame, std::uint64_t& number) {
     number_ = ++number;
   }
   if (job.walk.color_by == CellColorBy::error && !has_splits_) read_splits();
-  told_.is_promised = is_promised(*cells_, job.camera);
+  told_.unpromised = why_not_promised(*cells_, job.camera);
   RefinedSide side;
   side.refinement = drawn_;
   side.refinement.stats.max_error_px = told_.walked.error_px;

@@ -42,7 +42,7 @@ struct CellsFrame {
   std::size_t loads = 0;
   std::map<CellId, CellVisit> visits;
   CellNote note;                   // the last note
-  bool is_promised = false;        // the file's promise holds: the view is not magnified more than promised
+  std::string unpromised;          // why the file's promise does not hold for the view; empty: it holds
   std::size_t left_out = 0;        // active triangles of the cell that are not drawn, if asked for
   std::vector<std::size_t> drawn;  // per object: this many of its triangles are drawn, the others are left out
 };

@@ -1,6 +1,7 @@
 #include "hlod_bench.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "hlod_cache.h"
@@ -13,11 +14,25 @@ namespace {
 // A static view is drawn until this many frames in succession have drawn the same, or this many in all.
 constexpr int min_repeats = 3;
 constexpr int max_frames_at_rest = 24;
+// With a limit on triangles, a large HLOD begins with this tolerance, and gets finer by a factor from frame to frame:
+// in a moving view while so many times as many triangles would still do, in one that stands still as long as it can.
+constexpr double first_px = 64.0;
+constexpr double finer = 0.8;
+constexpr double room = 1.5;
+// Below the one a tolerance is what was asked for, beyond the other it is raised no more.
+constexpr double finest_px = 1.0 / 64.0;
+constexpr double coarsest_px = 1e5;
 
 bool are_same_hlods(const Objects& a, const Objects& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const PlacedObject& x, const PlacedObject& y) {
     return x.hlod == y.hlod && x.two_sided == y.two_sided;
   });
+}
+
+std::size_t input_triangles(const Objects& objects) {
+  std::size_t sum = 0;
+  for (const PlacedObject& object : objects) sum += object.hlod->hlod->data().input_triangle_count;
+  return sum;
 }
 
 }  // namespace
@@ -60,21 +75,50 @@ void HlodBench::place(const RefineJob& job) {
     side.asked.reset();
   }
   const std::vector<hlod::PlacedHlod> placed = placed_hlods(*objects_);
-  while (sides_.size() < count) sides_.push_back({hlod::Traverser(placed), std::nullopt, nullptr, 0});
+  while (sides_.size() < count) sides_.push_back({hlod::Traverser(placed), std::nullopt, nullptr, 0, 0.0, 0.0});
 }
 
 HlodSide HlodBench::draw(Side& side, const RefineJob& job, hlod::Strategy strategy) {
   const View view(job.camera);
-  const Asked asked{job.camera, options_of(job, strategy), job.hlod.device};
+  const Asked asked{job.camera, options_of(job, strategy), job.hlod.device, job.hlod.most_triangles};
   if (job.again || side.asked != asked) {
     side.asked.reset();  // in case this fails
-    const hlod::Frame& frame = side.traverser.draw_frame(view, device(job.hlod.device), asked.options);
+    const hlod::Frame& frame = draw_within(side, view, asked, job);
     const bool repeats = side.front && job.again && side.front->frame.front_hash == frame.front_hash;
     side.repeats = repeats ? side.repeats + 1 : 0;
     side.front = make_front(frame, *job.objects, ++fronts_);
     side.asked = asked;
   }
-  return {strategy, side.front, colors_of(*side.front, *job.objects, view, job.hlod)};
+  return {strategy, side.front, side.tolerance_px, colors_of(*side.front, *job.objects, view, job.hlod)};
+}
+
+std::optional<double> HlodBench::finer_px(const Side& side, double wanted_px) {
+  if (!side.front || !(side.tolerance_px > wanted_px)) return std::nullopt;
+  double px = std::max(finer * side.tolerance_px, wanted_px);
+  if (px < finest_px) px = wanted_px;
+  return px > side.too_fine_px ? std::optional(px) : std::nullopt;
+}
+
+// Raises the tolerance until the frame has no more triangles than it may have. What is too coarse gets finer in the
+// next frames, so that the first frame of a large HLOD does not take long.
+const hlod::Frame& HlodBench::draw_within(Side& side, const View& view, const Asked& asked, const RefineJob& job) {
+  hlod::TraverseOptions options = asked.options;
+  const bool is_limited = asked.most_triangles > 0 && input_triangles(*job.objects) > asked.most_triangles;
+  if (!job.again) side.too_fine_px = 0.0;
+  if (is_limited && !side.front && job.hlod.settle && !job.from_scratch) side.tolerance_px = first_px;
+  const bool has_room = side.front && room * static_cast<double>(side.front->frame.stats.drawn_triangles) <
+                                          static_cast<double>(asked.most_triangles);
+  if (job.again || has_room) side.tolerance_px = finer_px(side, options.tolerance_px).value_or(side.tolerance_px);
+  side.tolerance_px = is_limited ? std::max(side.tolerance_px, asked.options.tolerance_px) : options.tolerance_px;
+  while (true) {
+    options.tolerance_px = side.tolerance_px;
+    const hlod::Frame& frame = side.traverser.draw_frame(view, device(asked.device), options);
+    const std::size_t drawn = frame.stats.drawn_triangles;
+    if (!is_limited || drawn <= asked.most_triangles || side.tolerance_px >= coarsest_px) return frame;
+    side.too_fine_px = side.tolerance_px;
+    const double excess = std::sqrt(static_cast<double>(drawn) / static_cast<double>(asked.most_triangles));
+    side.tolerance_px = std::max(side.tolerance_px, finest_px) * std::clamp(excess, 1.1, 4.0);
+  }
 }
 
 hlod::TraverseOptions HlodBench::options_of(const RefineJob& job, hlod::Strategy strategy) {
@@ -103,6 +147,8 @@ std::optional<hlod::DeviceCosts> HlodBench::costs(HlodDevice device, bool needed
 
 bool HlodBench::goes_on(const RefineJob& job) {
   frames_at_rest_ = job.again ? frames_at_rest_ + 1 : 1;
+  const auto gets_finer = [&](const Side& side) { return finer_px(side, job.hlod.traverse.tolerance_px).has_value(); };
+  if (job.hlod.settle && std::ranges::any_of(sides_, gets_finer)) return true;
   if (!job.hlod.settle || frames_at_rest_ >= max_frames_at_rest) return false;
   return std::any_of(sides_.begin(), sides_.end(), [](const Side& side) { return side.repeats < min_repeats; });
 }

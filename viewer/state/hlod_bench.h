@@ -34,6 +34,7 @@ class HlodBench {
     Camera camera;
     hlod::TraverseOptions options;
     HlodDevice device = HlodDevice::gl;
+    std::size_t most_triangles = 0;
     friend bool operator==(const Asked&, const Asked&) = default;
   };
   struct Side {
@@ -41,10 +42,15 @@ class HlodBench {
     std::optional<Asked> asked;              // for which the front was drawn
     std::shared_ptr<const HlodFront> front;  // the last one
     int repeats = 0;                         // equal fronts before it
+    double tolerance_px = 0.0;               // with which it was drawn
+    double too_fine_px = 0.0;                // a tolerance with which this view had too many triangles; 0: none
   };
 
   void place(const RefineJob& job);
   [[nodiscard]] HlodSide draw(Side& side, const RefineJob& job, hlod::Strategy strategy);
+  [[nodiscard]] const hlod::Frame& draw_within(Side& side, const View& view, const Asked& asked, const RefineJob& job);
+  // Returns the next tolerance for a side whose tolerance was raised; nothing where that would have too many triangles.
+  [[nodiscard]] static std::optional<double> finer_px(const Side& side, double wanted_px);
   [[nodiscard]] hlod::TraverseOptions options_of(const RefineJob& job, hlod::Strategy strategy);
   [[nodiscard]] hlod::RenderDevice& device(HlodDevice device);
   // Returns nothing if the costs are unknown and not needed.

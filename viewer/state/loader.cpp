@@ -3,9 +3,11 @@
 #include <exception>
 #include <utility>
 
+#include "mesh/mesh_files.h"
 #include "occlod/base.h"
 #include "occlod/scene.h"
 #include "scene/mesh_source.h"
+#include "standard_streams.h"
 
 namespace occlod::viewer {
 namespace {
@@ -55,7 +57,27 @@ bool has_hlods(const SceneDescription& scene, const std::filesystem::path& folde
   return false;
 }
 
+// Keeps notes for the window, and prints them.
+ImageNote note_in(LoadedFile& result) {
+  return [&result](const std::string& line) {
+    tool::print_note(line);
+    result.notes.push_back(line);
+  };
+}
+
+void check_name(const std::filesystem::path& file) {
+  if (std::filesystem::is_regular_file(file) && !can_be_opened(file))
+    throw Error(
+        {file.string(), "", "is not named like anything that can be opened",
+         "give it the ending of a mesh (.ply .obj .off .stl .gltf .glb), hierarchy (.olod), HLOD (.ohlod), scene "
+         "(.json) or view cells (.vlod)"});
+}
+
 }  // namespace
+
+bool can_be_opened(const std::filesystem::path& file) {
+  return find_format(file) || is_olod_file(file) || is_ohlod_file(file) || is_scene_file(file) || is_vlod_file(file);
+}
 
 Loader::Loader(bool use_cache, const std::optional<hlod::CacheOptions>& paged)
     : use_cache_(use_cache), paged_(paged), thread_([this] { run(); }) {}
@@ -73,7 +95,15 @@ Loader::~Loader() {
 void Loader::open(const std::filesystem::path& file, LoadAs as) {
   {
     const std::lock_guard lock(mutex_);
-    waiting_.push_back({file, as, nullptr});
+    waiting_.push_back({file, as, nullptr, nullptr});
+  }
+  changed_.notify_all();
+}
+
+void Loader::open(const Example& example) {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_.push_back({example.label, example.as, nullptr, &example});
   }
   changed_.notify_all();
 }
@@ -81,7 +111,7 @@ void Loader::open(const std::filesystem::path& file, LoadAs as) {
 void Loader::open_cells(const std::filesystem::path& file, std::shared_ptr<const Objects> objects) {
   {
     const std::lock_guard lock(mutex_);
-    waiting_.push_back({file, LoadAs::hierarchy, std::move(objects)});
+    waiting_.push_back({file, LoadAs::hierarchy, std::move(objects), nullptr});
   }
   changed_.notify_all();
 }
@@ -139,12 +169,14 @@ void Loader::run() {
 LoadedFile Loader::load(const Wanted& wanted) {
   LoadedFile result;
   result.file = wanted.file;
+  result.is_example = wanted.example != nullptr;
   try {
     if (wanted.cells_of) {
       result.cells = open_view_cells(wanted.file, wanted.cells_of);
       return result;
     }
-    const SceneDescription scene = describe_file(wanted.file);
+    if (wanted.example == nullptr) check_name(wanted.file);
+    const SceneDescription scene = wanted.example != nullptr ? scene_of(*wanted.example) : describe_file(wanted.file);
     if (wanted.as == LoadAs::hlod || has_hlods(scene, wanted.file.parent_path()))
       load_as_hlods(scene, result);
     else
@@ -171,7 +203,9 @@ void Loader::load_meshes(const SceneDescription& scene, LoadedFile& result) {
   for (std::size_t i = 0; i < loaded.size(); ++i) {
     auto& mesh = meshes[loaded[i].hierarchy.get()];
     report("preparing " + loaded[i].source_name, 1.0);
-    if (!mesh) mesh = make_view_mesh(loaded[i].hierarchy, std::filesystem::path(loaded[i].source_name).parent_path());
+    if (!mesh)
+      mesh = make_view_mesh(loaded[i].hierarchy, std::filesystem::path(loaded[i].source_name).parent_path(),
+                            note_in(result));
     const std::string& source = loaded[i].source_name;
     PlacedObject& object = result.objects.emplace_back();
     object.name = short_name(scene.objects[i].source, source);
@@ -199,7 +233,7 @@ void Loader::load_as_hlods(const SceneDescription& scene, LoadedFile& result) {
     report("preparing " + loaded[i].source_name, 1.0);
     if (!hlod) {
       const std::filesystem::path source = loaded[i].source_name;
-      hlod = make_view_hlod(loaded[i].hlod, is_ohlod_file(source) ? source.parent_path() : folder);
+      hlod = make_view_hlod(loaded[i].hlod, is_ohlod_file(source) ? source.parent_path() : folder, note_in(result));
     }
     PlacedObject& object = result.objects.emplace_back();
     object.name = std::filesystem::path(loaded[i].source_name).stem().string();

@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "examples.h"
 #include "objects.h"
 #include "occlod/node_store.h"
 #include "occlod/scene.h"
@@ -23,15 +24,20 @@ namespace occlod::viewer {
 
 // Holds the result of opening one file.
 struct LoadedFile {
-  std::filesystem::path file;
+  std::filesystem::path file;  // of an example, its label
+  bool is_example = false;
   std::string error;  // one line; empty: success
   bool cancelled = false;
   std::vector<PlacedObject> objects;      // without ids
   std::map<std::string, Camera> cameras;  // of a scene
   std::map<std::string, CameraPath> paths;
   std::string about;
+  std::vector<std::string> notes;          // one line for each image that is left out; standard error has them too
   std::shared_ptr<const ViewCells> cells;  // of a .vlod file, which has nothing else
 };
+
+// Returns whether the name ends like that of a file that can be opened, whatever its case.
+[[nodiscard]] bool can_be_opened(const std::filesystem::path& file);
 
 struct LoadProgress {
   std::string what;   // empty: nothing is being loaded
@@ -50,6 +56,8 @@ class Loader {
 
   // Opens a file. HLODs (.ohlod), and scenes with such objects, are opened as HLODs whatever `as` is.
   void open(const std::filesystem::path& file, LoadAs as = LoadAs::hierarchy);
+  // Generates a scene that is in no file.
+  void open(const Example& example);
   // Opens a .vlod file for these objects.
   void open_cells(const std::filesystem::path& file, std::shared_ptr<const Objects> objects);
   void cancel();  // everything
@@ -64,6 +72,7 @@ class Loader {
     std::filesystem::path file;
     LoadAs as = LoadAs::hierarchy;
     std::shared_ptr<const Objects> cells_of;  // for a .vlod file, else null
+    const Example* example = nullptr;         // in place of a file
   };
   [[nodiscard]] LoadedFile load(const Wanted& wanted);
   void load_meshes(const SceneDescription& scene, LoadedFile& result);

@@ -15,7 +15,6 @@
 #include "creases.h"
 #include "object_textures.h"
 #include "occlod/build_hierarchy.h"
-#include "standard_streams.h"
 
 namespace occlod::viewer {
 namespace {
@@ -74,7 +73,7 @@ Sphere sphere_around(const hlod::Hlod& hlod) {
 }  // namespace
 
 std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> hierarchy,
-                                               const std::filesystem::path& folder) {
+                                               const std::filesystem::path& folder, const ImageNote& note) {
   hierarchy->require_all();
   auto mesh = std::make_shared<ViewMesh>();
   // Triangles name vertices, because seams are not borders of the surface.
@@ -84,8 +83,7 @@ std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> 
   mesh->normals = own.empty() ? by_wedge(*hierarchy, vertex_normals(positions, triangles))
                               : std::vector<glm::vec3>(own.begin(), own.end());
   mesh->creases = by_wedge(*hierarchy, find_creases(positions, triangles));
-  const tool::ObjectTextures textures(hierarchy->data(), folder, tool::TextureChoice::automatic,
-                                      [](const std::string& line) { tool::print_note(line); });
+  const tool::ObjectTextures textures(hierarchy->data(), folder, tool::TextureChoice::automatic, note);
   mesh->texture = layered(textures.materials(), hierarchy->data().texture_origin);
   const Box& box = hierarchy->box();
   mesh->sphere.center = 0.5F * box.min + 0.5F * box.max;
@@ -103,10 +101,9 @@ std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> 
 }
 
 std::shared_ptr<const ViewHlod> make_view_hlod(std::shared_ptr<const hlod::Hlod> hlod,
-                                               const std::filesystem::path& folder) {
+                                               const std::filesystem::path& folder, const ImageNote& note) {
   auto view = std::make_shared<ViewHlod>();
-  const tool::ObjectTextures textures(hlod->data(), folder, tool::TextureChoice::automatic,
-                                      [](const std::string& line) { tool::print_note(line); });
+  const tool::ObjectTextures textures(hlod->data(), folder, tool::TextureChoice::automatic, note);
   view->texture = layered(textures.materials(), hlod->data().texture_origin);
   view->sphere = sphere_around(*hlod);
   view->hlod = std::move(hlod);

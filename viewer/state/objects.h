@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -29,10 +30,14 @@ struct ViewMesh {
   std::shared_ptr<const LayeredTexture> texture;  // null without materials
 };
 
-// Computes it. `folder` is where the names of images start. Reports missing images on standard error. Throws Error when
-// part of the hierarchy is damaged. O(size).
+// Is told one line about each image that is missing.
+using ImageNote = std::function<void(const std::string& line)>;
+
+// Computes it. `folder` is where the names of images start. Throws Error when part of the hierarchy is damaged.
+// O(size).
 [[nodiscard]] std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> hierarchy,
-                                                             const std::filesystem::path& folder = {});
+                                                             const std::filesystem::path& folder = {},
+                                                             const ImageNote& note = {});
 
 // Holds an HLOD with what drawing it needs.
 struct ViewHlod {
@@ -43,7 +48,8 @@ struct ViewHlod {
 
 // Computes it. `folder` is where the names of images start. O(size). Throws Error when a mesh of the HLOD is damaged.
 [[nodiscard]] std::shared_ptr<const ViewHlod> make_view_hlod(std::shared_ptr<const hlod::Hlod> hlod,
-                                                             const std::filesystem::path& folder = {});
+                                                             const std::filesystem::path& folder = {},
+                                                             const ImageNote& note = {});
 
 // Applies `shape`, scales, turns around x, then y, then z, and moves. `shape` is the rest of the transform, e.g. a
 // shear.

@@ -13,12 +13,13 @@ namespace {
 
 const Setting& setting_at(const JsonPlace& place) {
   const Setting* setting = find_setting(place.string());
-  if (setting == nullptr) place.fail("is not a setting", "see occlod-view --actions");
+  if (setting == nullptr)
+    place.fail(fmt::format("\"{}\" is not a setting", place.string()), "see occlod-view --actions");
   return *setting;
 }
 
 void set(Session& session, const JsonPlace& action) {
-  setting_at(action.at("setting")).set(session.state().settings, action.at("value"));
+  assign(setting_at(action.at("setting")), session.state().settings, action.at("value"));
   session.setting_changed();
 }
 
@@ -33,7 +34,7 @@ void flip(Session& session, const JsonPlace& action) {
     while (value != setting.choices[i]) ++i;
     value = setting.choices[(i + 1) % setting.choices.size()];
   } else {
-    action.at("setting").fail("is neither a switch nor a choice", "use set");
+    action.at("setting").fail(fmt::format("{} is neither a switch nor a choice", setting.name), "use set");
   }
   const std::string from = setting.name;
   setting.set(session.state().settings, JsonPlace(value, from));
@@ -50,7 +51,8 @@ void pick(Session& session, const JsonPlace& action) {
   state.pick.reset();
   state.selected = 0;
   if (!session.frame()) return;
-  const auto hit = cast_ray(*session.frame(), ray_through(state.camera, place_of(action)));
+  const auto hit = cast_ray(*session.frame(), ray_through(state.camera, place_of(action)),
+                            clip_plane(state.settings.clip, *state.objects));
   if (!hit) return;
   state.pick = pick_of(*session.frame(), *hit);
   state.selected = state.pick->object;

@@ -10,7 +10,8 @@ namespace {
 
 const CameraPath& path_at(const Session& session, const JsonPlace& place) {
   const auto found = session.state().paths.find(place.string());
-  if (found == session.state().paths.end()) place.fail("is not a camera path", "record it first, or open its scene");
+  if (found == session.state().paths.end())
+    place.fail('"' + place.string() + "\" is not a camera path", "record it first, or open its scene");
   return found->second;
 }
 

@@ -15,7 +15,9 @@ void expect(const Session& session, const JsonPlace& action) {
   action.expect_keys({"do", "figure", "at_least", "at_most"});
   const auto figures = session.figures();
   const auto found = figures.find(action.at("figure").string());
-  if (found == figures.end()) action.at("figure").fail("is no figure that there is now");
+  if (found == figures.end())
+    action.at("figure").fail(fmt::format("\"{}\" is no figure that there is now", action.at("figure").string()),
+                             "print them by report");
   if (!action.has("at_least") && !action.has("at_most")) action.fail("has neither \"at_least\" nor \"at_most\"");
   if (const auto least = action.find("at_least"); least && !(found->second >= least->number()))
     least->fail(fmt::format("{} is {}", found->first, found->second));
@@ -99,7 +101,7 @@ void Script::begin_wait(const Session& session, const JsonPlace& action) {
   else if (what == "path")
     waits_for_path_ = true;
   else if (what != "refinement")
-    action.at("for").fail("is nothing to wait for", "use one of: refinement, path, pictures");
+    action.at("for").fail(fmt::format("\"{}\" is nothing to wait for", what), "use one of: refinement, path, pictures");
 }
 
 void Script::begin_repeat(const JsonPlace& action) {

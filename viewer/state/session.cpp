@@ -18,6 +18,7 @@ namespace {
 constexpr double recording_step_s = 1.0 / 30.0;
 constexpr std::size_t most_recent = 12;
 constexpr std::size_t max_notices = 4;
+constexpr std::size_t max_notes = 2;  // about one file
 
 nlohmann::json key_of(const Camera& c) {
   return {c.eye.x,    c.eye.y, c.eye.z, c.target.x, c.target.y,
@@ -29,6 +30,7 @@ nlohmann::json key_of(const Camera& c) {
 nlohmann::json key_of(const RefineJob& job, const Settings& settings) {
   nlohmann::json key =
       nlohmann::json::array({key_of(job.camera), job.keep_occluder, job.keep_seen, static_cast<int>(job.color_by)});
+  key.push_back(static_cast<int>(job.beside));
   key.push_back(job.cells != nullptr);  // request_mesh() treats another file as a change of the objects
   for (const auto& group : {refine_settings(), hlod_settings(), cells_settings()})
     for (const Setting& setting : group) key.push_back(setting.get(settings));
@@ -61,6 +63,7 @@ void tell(PictureRecord& record, const RefinedSide& side, bool is_new) {
   record.queries = stats.queries;
   record.queries_hidden = stats.queries_hidden;
   record.max_error_px = stats.max_error_px;
+  record.max_quadric_error_px = stats.max_quadric_error_px;
 }
 
 // The times are those of the device, which may be simulated.
@@ -76,6 +79,17 @@ void tell(PictureRecord& record, const HlodFront& front, bool is_new) {
   record.queries = stats.queries;
   record.queries_hidden = stats.hidden_nodes;
   record.max_error_px = stats.largest_sse_px;
+}
+
+// Returns "name", or the first of "name (2)", "name (3)", ... that no object has.
+std::string free_name(const Objects& objects, const std::string& name) {
+  const auto is_free = [&](const std::string& text) {
+    return std::none_of(objects.begin(), objects.end(),
+                        [&](const PlacedObject& object) { return object.name == text; });
+  };
+  if (is_free(name)) return name;
+  for (int i = 2;; ++i)
+    if (std::string text = fmt::format("{} ({})", name, i); is_free(text)) return text;
 }
 
 }  // namespace
@@ -116,6 +130,7 @@ void Session::perform(const nlohmann::json& action) {
 }
 
 void Session::update(double seconds, double patience_ms) {
+  now_s_ += seconds;
   for (Notice& notice : state_.notices) notice.age_s += seconds;
   take_loaded();
   go_on_playing();
@@ -134,23 +149,31 @@ void Session::update(double seconds, double patience_ms) {
   touched_ = false;
 }
 
-void Session::picture_drawn(const PictureCost& cost) {
-  ++pictures_;
-  if (!frame_ || frame_->side_count() == 0) return;
+PictureRecord Session::record_of_frame() const {
   PictureRecord record;
-  record.picture = pictures_;
+  record.picture = pictures_ + 1;
+  record.at_s = now_s_;
   if (!state_.playback.path.empty() && frame_->job.number == requested_)
     record.path_frame = static_cast<int>(state_.playback.at);
-  record.cost = cost;
   record.memory_mb = resident_memory_mb();
   record.hash = frame_->hash;
-  const bool is_new = std::exchange(drawn_, frame_->job.number) != frame_->job.number;
+  const bool is_new = drawn_ != frame_->job.number;
   if (frame_->sides.empty())
     tell(record, *frame_->hlod_sides[0].front, is_new);
   else
     tell(record, frame_->sides[0], is_new);
   if (frame_->cells) record.walked = frame_->cells->walked;
-  timeline_.add(record);
+  return record;
+}
+
+void Session::picture_drawn(const PictureCost& cost) {
+  if (frame_ && frame_->side_count() > 0) {
+    PictureRecord record = record_of_frame();
+    record.cost = cost;
+    drawn_ = frame_->job.number;
+    timeline_.add(record);
+  }
+  ++pictures_;
 }
 
 bool Session::settled() const noexcept {
@@ -181,6 +204,11 @@ void Session::cancel_loading() {
   loader_.cancel();
 }
 
+void Session::close_cells() {
+  state_.cells.reset();
+  if (std::exchange(state_.is_sized_for_cells, false)) state_.fixed_size.reset();
+}
+
 bool Session::cells_fit() const { return state_.cells && shown_ && are_of(*state_.cells, *shown_); }
 
 void Session::edit_objects(const std::function<void(Objects&)>& edit) {
@@ -190,9 +218,14 @@ void Session::edit_objects(const std::function<void(Objects&)>& edit) {
 }
 
 void Session::notify(const std::string& text, bool is_error) {
-  state_.notices.push_back({text, is_error, 0.0});
+  state_.notices.push_back({text, is_error, 0.0, false});
   if (state_.notices.size() > max_notices) state_.notices.pop_front();
   if (is_error) ++state_.errors;
+}
+
+void Session::warn(const std::string& text) {
+  notify(text);
+  state_.notices.back().is_warning = true;
 }
 
 void Session::setting_changed() {
@@ -221,6 +254,15 @@ void Session::take_cells(std::shared_ptr<const ViewCells> cells) {
   if (state_.objects->empty()) return;  // closed meanwhile
   files_.add_input(std::filesystem::absolute(cells->path), "a file of view cells that was opened");
   state_.cells = std::move(cells);
+  if (state_.fixed_size || why_not_promised(*state_.cells, state_.camera).empty()) return;
+  const auto fitting = promised_camera(*state_.cells, state_.camera);
+  if (!fitting) return;
+  state_.fixed_size = {fitting->width, fitting->height};
+  state_.is_sized_for_cells = true;
+  set_view_size(view_size_);
+  notify(
+      fmt::format("the picture is {} x {} pixels, for which the cells promise their error; Camera, Picture changes it",
+                  fitting->width, fitting->height));
 }
 
 void Session::add(LoadedFile file) {
@@ -236,17 +278,17 @@ void Session::add(LoadedFile file) {
   edit_objects([&](Objects& objects) {
     for (PlacedObject& object : file.objects) {
       object.id = next_id_++;
+      object.name = free_name(objects, object.name);
       objects.push_back(std::move(object));
     }
   });
+  for (std::size_t i = 0; i < file.notes.size() && i < max_notes; ++i) warn(file.notes[i]);
+  if (file.notes.size() > max_notes)
+    warn(fmt::format("{} more like this on standard error", file.notes.size() - max_notes));
   for (const auto& [name, camera] : file.cameras) state_.bookmarks[name] = camera;
   for (const auto& [name, path] : file.paths) state_.paths[name] = path;
   if (!file.about.empty()) state_.about = file.about;
-  const auto path = std::filesystem::absolute(file.file);
-  if (is_scene_file(path)) files_.add_scene(path);
-  std::erase(state_.recent, path);
-  state_.recent.insert(state_.recent.begin(), path);
-  if (state_.recent.size() > most_recent) state_.recent.resize(most_recent);
+  if (!file.is_example) remember(std::filesystem::absolute(file.file));
   if (!first || state_.settings.freeze) return;
   if (const auto found = file.cameras.find("default"); found != file.cameras.end()) {
     state_.camera = found->second;
@@ -259,6 +301,14 @@ void Session::add(LoadedFile file) {
     fit_range(state_.camera, bounds);
   }
   set_view_size(view_size_);
+}
+
+// Lists a file that was opened among the recent ones.
+void Session::remember(const std::filesystem::path& file) {
+  if (is_scene_file(file)) files_.add_scene(file);
+  std::erase(state_.recent, file);
+  state_.recent.insert(state_.recent.begin(), file);
+  if (state_.recent.size() > most_recent) state_.recent.resize(most_recent);
 }
 
 // Shows each frame of a path: the next one comes when the mesh of this one was drawn and saved.
@@ -317,6 +367,7 @@ RefineJob Session::wanted_job() const {
   job.frame_to_frame = settings.frame_to_frame;
   job.occlusion = settings.occlusion;
   job.compare = settings.compare;
+  job.beside = settings.beside;
   job.count_visible = settings.count_visible || settings.compare;
   job.keep_occluder = settings.insets.occluder;
   job.keep_seen = settings.insets.birdseye;

@@ -28,6 +28,7 @@ struct Notice {
   std::string text;
   bool is_error = false;
   double age_s = 0.0;
+  bool is_warning = false;  // no error, but to be read
 };
 
 // Names a picture to take of what is drawn next.
@@ -80,8 +81,10 @@ struct State {
   std::string about;
   Camera camera;                        // of the picture; its size is kept up to date
   std::optional<ImageSize> fixed_size;  // of the picture, replaces the window's
+  bool is_sized_for_cells = false;      // fixed_size is the largest that the cells were built for
   Camera frozen;                        // what is refined for while settings.freeze
   std::optional<Pick> pick;
+  std::vector<glm::dvec3> measured;  // ends of the distance that is measured, world space: at most two
   Playback playback;
   Recording recording;
   double walking_height = 0.0;  // of the eye above the ground; 0: not known yet
@@ -121,6 +124,8 @@ class Session {
   [[nodiscard]] const std::shared_ptr<const RefinedFrame>& frame() const noexcept { return frame_; }
   // Returns whether nothing is being loaded, and frame() is what the state asks for, with no work left over.
   [[nodiscard]] bool settled() const noexcept;
+  // Returns the numbers of frame(), which has sides, as picture_drawn() will keep them, without the costs.
+  [[nodiscard]] PictureRecord record_of_frame() const;
   // Returns whether frame() is what was last asked for.
   [[nodiscard]] bool is_current() const noexcept { return frame_ && frame_->job.number == requested_; }
   [[nodiscard]] const Camera& refine_camera() const noexcept;
@@ -129,6 +134,7 @@ class Session {
 
   // Sets the pixels of the view area; half of it with the split screen.
   void set_view_size(const ImageSize& size);
+  void close_cells();
   // Opens a mesh, a scene etc. as the settings say. Cells are opened for what is open once everything that waits has
   // been opened.
   void open(const std::filesystem::path& file);
@@ -137,11 +143,13 @@ class Session {
   [[nodiscard]] bool cells_fit() const;
   void edit_objects(const std::function<void(Objects&)>& edit);
   void notify(const std::string& text, bool is_error = false);
+  void warn(const std::string& text);
   void setting_changed();  // call it after changing state().settings
 
  private:
   void take_loaded();
   void add(LoadedFile file);
+  void remember(const std::filesystem::path& file);
   void take_cells(std::shared_ptr<const ViewCells> cells);
   void go_on_playing();
   void go_on_recording(double seconds);
@@ -168,6 +176,7 @@ class Session {
   nlohmann::json requested_key_;
   std::uint64_t drawn_ = 0;     // number of the last job whose mesh was drawn
   std::uint64_t pictures_ = 0;  // number of drawn pictures
+  double now_s_ = 0.0;          // since the session began
   std::uint64_t next_id_ = 1;
   bool touched_ = true;  // something was performed since the last update
   bool was_frozen_ = false;

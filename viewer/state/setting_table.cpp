@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "occlod/base.h"
 #include "setting_kinds.h"
 
 namespace occlod::viewer {
@@ -18,13 +19,22 @@ std::size_t choice_in(const std::vector<const char*>& choices, const JsonPlace& 
   const std::string name = place.string();
   for (std::size_t i = 0; i < choices.size(); ++i)
     if (name == choices[i]) return i;
-  place.fail(fmt::format("is \"{}\"", name), fmt::format("use one of: {}", fmt::join(choices, ", ")));
+  place.fail("is none of its choices", fmt::format("use one of: {}", fmt::join(choices, ", ")));
+}
+
+void assign(const Setting& setting, Settings& settings, const JsonPlace& place) {
+  try {
+    setting.set(settings, place);
+  } catch (const Error& error) {
+    const Diagnosis& d = error.diagnosis();
+    throw Error({d.subject, d.place, fmt::format("{} = {} {}", setting.name, place.text(), d.problem), d.remedy});
+  }
 }
 
 std::vector<const Setting*> all_settings() {
   std::vector<const Setting*> all;
-  for (const auto& group :
-       {refine_settings(), hlod_settings(), cells_settings(), look_settings(), camera_settings(), window_settings()})
+  for (const auto& group : {refine_settings(), hlod_settings(), cells_settings(), look_settings(), study_settings(),
+                            camera_settings(), window_settings()})
     for (const Setting& setting : group) all.push_back(&setting);
   return all;
 }

@@ -27,14 +27,18 @@ struct Setting {
   std::vector<const char*> choices{};
   bool kept = true;  // from one run to the next
   std::function<nlohmann::json(const Settings&)> get{};
-  std::function<void(Settings&, const JsonPlace&)> set{};  // throws Error for an invalid value
+  std::function<void(Settings&, const JsonPlace&)> set{};  // throws Error for an invalid value; see assign()
 };
+
+// Sets it to the value at `place`. Throws Error that names the setting and the value when it is invalid.
+void assign(const Setting& setting, Settings& settings, const JsonPlace& place);
 
 // Settings are in the order in which panels show them.
 [[nodiscard]] std::span<const Setting> refine_settings();
 [[nodiscard]] std::span<const Setting> hlod_settings();
 [[nodiscard]] std::span<const Setting> cells_settings();
 [[nodiscard]] std::span<const Setting> look_settings();
+[[nodiscard]] std::span<const Setting> study_settings();
 [[nodiscard]] std::span<const Setting> camera_settings();
 [[nodiscard]] std::span<const Setting> window_settings();
 [[nodiscard]] std::vector<const Setting*> all_settings();

@@ -55,6 +55,7 @@ enum class NodeBoxes {
 struct HlodSettings {
   hlod::TraverseOptions traverse;                       // without what `between` and the device determine
   hlod::Strategy other_strategy = hlod::Strategy::vfc;  // in the right half of the split screen
+  std::size_t most_triangles = 0;  // in a frame: the tolerance is raised until they do; 0: any number
   HlodBetween between = HlodBetween::nothing;
   HlodDevice device = HlodDevice::gl;
   bool settle = true;  // a static view is drawn until its front no longer changes
@@ -85,6 +86,27 @@ struct CellSettings {
   CellBoxes boxes = CellBoxes::none;
 };
 
+// Names what the right half of the split screen shows of meshes.
+enum class Beside {
+  other,       // the same budget without occlusion
+  full,        // the full meshes
+  difference,  // how far the depth of what is refined is from theirs, in pixels
+};
+
+// Names the axis of world space along which the clipping plane stands.
+enum class ClipAxis { none, x, y, z };
+
+struct ClipSettings {
+  ClipAxis axis = ClipAxis::none;
+  double at = 0.5;    // share of the scene's extent along the axis
+  bool flip = false;  // keep what lies beyond the plane, else what lies before it
+};
+
+// Names what the graph shows of the last pictures.
+enum class Plot { times, triangles, visible, error };
+
+enum class Theme { dark, light };
+
 // Names how mouse and keys move the camera.
 enum class Steering { orbit, fly, walk };
 
@@ -111,6 +133,8 @@ struct WindowSettings {
   bool help = false;
   bool legend = true;
   double scale = 0.0;  // of text and panels; 0: the display's
+  Theme theme = Theme::dark;
+  Plot plot = Plot::times;
 };
 
 struct Settings {
@@ -120,11 +144,14 @@ struct Settings {
   CellSettings cells;
   bool frame_to_frame = true;  // continue from the last picture's mesh; else refine each from scratch
   Occlusion occlusion = Occlusion::software;
-  bool freeze = false;         // refine for the camera of the time when it was set
-  bool compare = false;        // show it beside the same without occlusion
+  bool freeze = false;   // refine for the camera of the time when it was set
+  bool compare = false;  // show something beside it
+  Beside beside = Beside::other;
   bool count_visible = true;   // triangles that own a pixel, by the item buffer
   double playback_rate = 1.0;  // of camera paths, frames per picture
   LookSettings look;
+  ClipSettings clip;
+  bool measure = false;  // clicks measure distances, and pick nothing
   InsetSettings insets;
   Steering steering = Steering::orbit;
   double speed = 0.5;  // fly and walk, scene radii per second

@@ -19,7 +19,7 @@ bool read_settings(const std::filesystem::path& file, Session& session, Remember
   if (!root.has("settings")) root.fail("is no settings file: it has no \"settings\"", "name another file");
   for (const auto& [key, place] : root.at("settings").members())
     if (const Setting* setting = find_setting(key); setting != nullptr && setting->kept)
-      setting->set(session.state().settings, place);
+      assign(*setting, session.state().settings, place);
   if (const auto recent = root.find("recent"))
     for (const JsonPlace& path : recent->elements(0)) session.state().recent.emplace_back(path.string());
   if (const auto place = root.find("window")) {

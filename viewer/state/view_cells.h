@@ -4,10 +4,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "objects.h"
 #include "occlod/refiner.h"
+#include "occlod/view.h"
 #include "occlod/vlod_file.h"
 
 namespace occlod::viewer {
@@ -31,6 +34,13 @@ struct ViewCells {
 
 // Returns whether these are the objects that the cells were built for, at the same places.
 [[nodiscard]] bool are_of(const ViewCells& cells, const Objects& objects);
+
+// Returns why the promise of the cells does not hold for what the camera sees: which eyes it is about. Empty: it holds.
+[[nodiscard]] std::string why_not_promised(const ViewCells& cells, const Camera& camera);
+
+// Returns the camera with the largest picture, no larger than its own, for which the promise holds; nothing if no size
+// of the picture helps.
+[[nodiscard]] std::optional<Camera> promised_camera(const ViewCells& cells, const Camera& camera);
 
 // Returns the leaves nearest to a point, at most `most`, ascending.
 [[nodiscard]] std::vector<CellId> nearest_leaves(const ViewCells& cells, const glm::dvec3& point, std::size_t most);
