@@ -15,7 +15,7 @@ int main(int argc, char** argv) try {
   occlod::Refiner refiner(objects);
   const auto visibility = occlod::make_software_occlusion();
 
-  const occlod::Camera near_the_ground{.eye = {0.0, 1.2, 0.0}, .target = {0.0, 1.0, -0.8}};
+  const occlod::Camera near_the_ground{.eye = {0.0, 1.15, 0.0}, .target = {0.0, 0.98, -0.4}, .fov_y_deg = 60.0};
   const occlod::View view(argc > 1 ? occlod::looking_at(hierarchy.box()) : near_the_ground);
   const occlod::Refinement& refined = refiner.refine(view, {.budget = 10'000}, *visibility);
 
