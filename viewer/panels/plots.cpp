@@ -45,15 +45,6 @@ std::string text_of(double value, Plot plot) {
 
 }  // namespace
 
-double round_up(double value, double least) {
-  while (std::isfinite(value))
-    for (const double factor : {2.0, 2.5, 2.0}) {
-      if (value <= least) return least;
-      least *= factor;
-    }
-  return least;
-}
-
 void draw_time_axis(ImDrawList& list, const Area& area, const std::deque<PictureRecord>& records, std::size_t first,
                     float step) {
   const double seconds = records.back().at_s - records[first].at_s;

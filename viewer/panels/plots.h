@@ -8,9 +8,6 @@
 
 namespace occlod::viewer {
 
-// Returns the first of 1, 2, 5, 10, ... times `least` that is not below `value`.
-[[nodiscard]] double round_up(double value, double least);
-
 // Draws lines where whole seconds have passed between the pictures from `first` on, the last of which ends at the right
 // of the area, and writes below it how many seconds. `step` is the width of a picture, in pixels of the window.
 void draw_time_axis(ImDrawList& list, const Area& area, const std::deque<PictureRecord>& records, std::size_t first,
