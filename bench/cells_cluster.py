@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """cells_cluster.py SCENE [--cells N] [--rounds N] [--csv FILE]: view cells of a scene by one process and by one and two workers of Dask, the tasks that its scheduler
-hands out in a second, and what these say of larger clusters by the model of docs/guide/cluster.md. Of the first region of the scene so much is taken that
+hands out in a second, and what these say of larger clusters by the model of docs/guide/view_cells.md#many-machines. Of the first region of the scene so much is taken that
 it has about N root cells (128). Needs occlod[cluster]."""
 import argparse
 import csv

@@ -1,4 +1,4 @@
-"""What view cells would take on a cluster: the model of docs/guide/cluster.md."""
+"""What view cells would take on a cluster: the model of docs/guide/view_cells.md#many-machines."""
 
 
 def modelled(cells, cell_s, cores, rate, start_s):

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What refinement and building are asked to reach, measured in one run: builds this version and commit 2f5dd64 of its
-# history, runs both in turns, and prints one table of targets, figures and verdicts (docs/benchmarks/targets.md).
+# history, runs both in turns, and prints one table of targets, figures and verdicts (docs/benchmarks/refinement.md).
 # The table goes to out/bench/targets.md and targets.csv as well, all raw numbers to targets.json beside them.
 # bench_targets.sh [--quick]
 #   --quick  fewer rounds, frames, scenes and meshes: a few minutes; verdicts are rough

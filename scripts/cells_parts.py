@@ -16,7 +16,7 @@ import cluster_model  # noqa: E402
 TABLE_1 = {500: (2, 0.7, 3.1, 6.28, 0.005), 1000: (10, 2.8, 3.26, 5.57, 0.008), 3000: (162, 31.1, 2.84, 4.56, 0.015), 9000: (2400, 584, 2.78, 4.25, 0.025),
            27000: (23393, 7447, 2.73, None, 0.05)}
 WAYS = {"full_in_view": "full mesh in the frustum", "lod_in_view": "LOD in the frustum", "vlod": "vLOD", "vlod_in_view": "vLOD in the frustum", "update": "Refiner::update"}
-TASKS_A_SECOND = 637  # by the scheduler of Dask, as measured for docs/guide/cluster.md
+TASKS_A_SECOND = 637  # by the scheduler of Dask, as measured: bench/results/2026-11-23/cells_cluster.csv
 BINS = 10  # of Fig. 10, and one for all above
 BY_SIZE = {"drawn_without_occlusion": "none", "cull_map_drawn": "cull map (2.5D)", "middle_drawn": "shrunk, from the middle", "best_drawn": "shrunk, from the best point",
            "hull_drawn": "hull", "sampled_drawn": "sampled"}
@@ -338,7 +338,7 @@ def cluster(results):
     cell_s = statistics.median(row["one_process_s"] / row["cells"] for row in measured)
     rows = [[cores, *(value / by for value, by in zip(cluster_model.modelled(5e6, cell_s, cores, TASKS_A_SECOND, 60.0), (3600.0, 0.01)))] for cores in (16, 256, 1000, 10_000)]
     return part("cluster", "Many machines: a model", f"Measured on two cores: {measured[0]['cells']} cells by one process and by one and two workers of Dask. Not measured, but a model of five million such "
-                f"cells: {cell_s:.2f} s each, {TASKS_A_SECOND} tasks a second by the scheduler, a minute to start (docs/guide/cluster.md). The paper: five million cells in four nights on 16 PCs.",
+                f"cells: {cell_s:.2f} s each, {TASKS_A_SECOND} tasks a second by the scheduler, a minute to start (docs/guide/view_cells.md#many-machines). The paper: five million cells in four nights on 16 PCs.",
                 Table("measured_cluster", ["run", "cells", "one process, s", "one worker, s", "two workers, s", "two workers over one process, times"], [0, 0, 2, 2, 2, 2],
                       ([row["run"], row["cells"], row["one_process_s"], row["one_worker_s"], row["two_workers_s"], row["one_process_s"] / row["two_workers_s"]] for row in measured)),
                 Table("modelled_cluster", ["cores (model)", "hours", "of the cores at work, %"], [0, 2, 0], rows))

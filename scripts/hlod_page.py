@@ -125,9 +125,13 @@ def cover(document, results):
                                  for model in hlod_cover.MODELS])
 
 
-def cover_plot(results, model, **options):
+def cover_plot(results, model):
     lines = {source: [(row["predicted"], row["hidden"]) for row in told["models"][model]["by_prediction"]] for source, told in results.load_all("cover", hlod_cover.SOURCES).items()}
-    drawn = plot.Lines(lines, f"p_cov, as {model}", "share of boxes that are covered", dots=True, **options)
+    return cover_lines(lines, model)
+
+
+def cover_lines(lines, model, **options):
+    drawn = plot.Lines(lines, f"predicted probability p_cov, as {model}", "share of boxes that are covered", dots=True, **options)
     drawn.diagonal = True
     return drawn
 
@@ -155,11 +159,25 @@ def lines_of(results, runs, names, key, device):
 
 def write_pictures(results, folder):
     """Figures 3 and 8 of Guthe and others alone."""
-    above = plot.Lines(lines_of(results, ["figure8_city"], FIGURE_8, "frame_ms", DEAR), "frame", "ms", size=(880, 340), legend_px=130)
-    covered = cover_plot(results, "printed", size=(880, 340), legend_px=170)
-    for name, drawn in (("above.svg", above), ("cover.svg", covered)):
+    date = (results.load("about") or {}).get("date", "")
+    covered = cover_alone(cover_plot(results, "printed").lines, date)
+    for name, drawn in (("above.svg", above(lines_of(results, ["figure8_city"], FIGURE_8, "frame_ms", DEAR), date)), ("cover.svg", covered)):
         if drawn.lines:
             (folder / name).write_text(drawn.svg(standalone=True) + "\n")
+
+
+def cover_alone(lines, date):
+    """`lines`: by source, (predicted, share that is covered)."""
+    about = [f"Nodes of the scenes plant, city, dragon_alone and car, and random ellipsoids (Guthe and others 2006, fig. 3), by tenths of what is predicted. {date}.",
+             "The grey line is where predictions are right."]
+    return cover_lines(lines, "printed", size=(960, 340), legend_px=170, title="How often boxes are covered, by how probable the model holds it", about=about)
+
+
+def above(lines, date):
+    """`lines`: by strategy, (frame, ms)."""
+    about = [f"Scene city, path fly_over, error of at most 1 px; simulated device query-dear (Guthe and others 2006, fig. 8). {date}.",
+             "VFC draws all that is in view without queries. NOHC and batch ask only where that is expected to pay."]
+    return plot.Lines(lines, "frame of the path", "time of a frame, ms", size=(880, 340), legend_px=130, title="Above the roofs of a city, where little is hidden", about=about)
 
 
 def value_of(frame, key):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """mutations.py [NAME...]: switches off each guard of the promises of view cells and of conservative occluders in a copy of the sources (build/mutations), one at a time, and builds
 and runs the tests that are named for it. All must pass with the guard, and at least one of them must fail without it. Exit 1 where none does, and
-where a guard is no longer found in the sources. One line each; --markdown: the table of docs/benchmarks/view_cell_proofs.md."""
+where a guard is no longer found in the sources. One line each; --markdown: as a table (docs/benchmarks/view_cells.md)."""
 import argparse
 import pathlib
 import re

@@ -2,7 +2,28 @@
 """targets_table.py FILE [CSV]: one Markdown table of what refinement and building are asked to reach and what a run of scripts/bench_targets.py
 measured; and the same as CSV.
 
-Only the targets stand here; every figure comes from FILE. docs/benchmarks/targets.md says what each row means."""
+Only the targets stand here; every figure comes from FILE. Everything runs on two hardware threads. Rounds go through both versions in changing
+order; other programs can only add to a time, so the least of all rounds counts. What the rows mean:
+
+from scratch, frame to frame   `occlod render --path orbit --json` along the armadillo's orbit, 10,000 triangles: the median of all frames but the
+                               first, over that of the earlier version. The orbit has 120 frames of 3 degrees; with three times as many, of 1 degree
+1 M triangles                  the same with `subtree` and no occlusion, 12 frames of the orbit of `planet_full` with a mesh of level 10.
+                               `planet_full` itself has 524,288 triangles, of which a budget of a million shows all that face the eye
+two threads                    this version with `--threads 2`, against the earlier one on one thread
+whole frame                    refinement, occlusion and drawing in the default view, `star`, 10,000 triangles: with software occlusion over without
+building                       `bench_build_peers`: the whole hierarchy against meshoptimizer simplifying to 1 %, in the mesh where that is worst
+same bits                      the pinned hashes on every instruction set of this machine; each path on one thread and on two; a built file
+depth RMS, visible share       `occlod render --reference` in the default view of the paper's scenes: `star` with and without occlusion and the
+                               paper's LOD with it, against the earlier version; the worst of the three
+frame to frame against from    `bench_frames --frames 60`: 76 combinations of path, culling and occlusion; shares are means over frames, the error
+scratch                        is the largest visible one, each frame's ratio to that from scratch in the same view
+frames in a row                the same paths: the most frames in a row, but for the first, that take more than twice the median
+`auto`                         `bench_effects --frames 1 --search 1`: its time times error over that of the best fixed setting in 11 scenes
+the paper's LOD                depth RMS and silhouettes of `star` with software occlusion over those of the paper's LOD
+
+*Answers* compares hashes. *Same*: the triangles are those of the earlier version. *Differ, expected*: a decision has changed them
+(CHANGED_ON_PURPOSE). *As one thread*: two threads give the triangles of one. A row that misses a part of what it needs is *undecided* or *not
+measured*, and a note says why. docs/benchmarks/refinement.md has the verdicts."""
 import collections.abc
 import csv
 import dataclasses
@@ -34,7 +55,7 @@ SPEED = (
     ("million_level_10", "1 M triangles from scratch, planet of level 10, two threads", "present, 2 threads", 0.38),
     ("million_planet_full", "budget of 1 M from scratch, planet_full, one thread", "present", 0.6),
     ("million_planet_full", "budget of 1 M from scratch, planet_full, two threads", "present, 2 threads", 0.38))
-# Of these the triangles may differ from those before: refinement visits bands of nodes (docs/decisions), and frames start from there. Where the
+# Of these the triangles may differ from those before: refinement visits bands of nodes (docs/internals/decisions.md), and frames start from there. Where the
 # budget holds the whole mesh, and in built files, nothing may.
 CHANGED_ON_PURPOSE = {"star_software", "subtree_software", "star", "frames_3_degrees", "frames_1_degree", "million_level_10", "pictures"}
 

@@ -6,8 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
-#include <glm/geometric.hpp>
-#include <limits>
 #include <map>
 #include <vector>
 
@@ -80,17 +78,12 @@ CameraPath chosen_path(const SceneDescription& scene, const ViewOptions& options
 }
 
 Camera camera_that_sees(const WorldBox& box, const ViewOptions& options) {
-  const double radius = std::max(box.radius(), std::numeric_limits<float>::min() * 1.0);
   Camera camera;
   if (options.size) {
     camera.width = options.size->width;
     camera.height = options.size->height;
   }
-  camera.target = box.center();
-  const double distance = fitting_distance(camera, radius);
-  camera.eye = camera.target + distance * glm::normalize(glm::dvec3(1.0, 1.0, 2.0));
-  camera.near = (distance - radius) / 2.0;
-  camera.far = distance + 2.0 * radius;
+  camera = looking_at(box.center(), box.radius(), camera);
   change(camera, options);
   return camera;
 }

@@ -26,15 +26,14 @@ Front front_of(const hlod::Frame& frame) {
   return front;
 }
 
-Front full_front(std::span<const hlod::PlacedHlod> placed, const View& view) {
+Front full_front(std::span<const hlod::PlacedHlod> placed) {
   Front front;
   for (std::uint32_t object = 0; object < placed.size(); ++object) {
     const hlod::Hlod& hlod = *placed[object].hlod;
-    const ObjectView in_object(view, placed[object].object_to_world);
     const hlod::Level& finest = hlod.data().levels[0];
     for (hlod::NodeId n = finest.first_node; n < finest.first_node + finest.node_count; ++n) {
       const hlod::Node& node = hlod.node(n);
-      if (node.triangles == 0 || !in_object.may_be_inside(node.sphere)) continue;
+      if (node.triangles == 0) continue;
       front.draws.push_back({object, n, static_cast<std::uint32_t>(front.ranges.size()), 1});
       front.ranges.push_back({0, 3 * node.triangles, 0.0F});
     }

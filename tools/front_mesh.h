@@ -24,8 +24,8 @@ struct Front {
 };
 
 [[nodiscard]] Front front_of(const hlod::Frame& frame);
-// Returns all nodes of level 0 that may be inside the frustum: the input itself.
-[[nodiscard]] Front full_front(std::span<const hlod::PlacedHlod> placed, const View& view);
+// Returns all nodes of level 0, whose triangles are the input's, wherever their boxes say that they are.
+[[nodiscard]] Front full_front(std::span<const hlod::PlacedHlod> placed);
 
 // Holds the triangles of a front as objects of a picture, one per draw, in the same order. Reuses its memory.
 class FrontMesh {

@@ -72,10 +72,8 @@ Built build_in_memory(const Options& options, Progress& progress) {
   const Stopwatch stopwatch;
   const CleanMesh input = read_hlod_input(options.inputs, progress);
   built.read_ms = stopwatch.milliseconds();
-  built.hlod = build_hlod(input.mesh, build_options(options, progress), built.nodes_found);
   built.report = input.report;
-  // These are triangles that quantising dropped, counted as when the input is streamed.
-  built.report.repeated_index_triangles += input.mesh.triangle_count() - built.hlod.data().input_triangle_count;
+  built.hlod = build_hlod(input.mesh, build_options(options, progress), built.report, built.nodes_found);
   return built;
 }
 

@@ -23,14 +23,36 @@ PictureDistance distance(const View& view, const ItemBuffer& items, const Image&
   return compare_pictures(view, items.depth, image, other.depth, other_image);
 }
 
-double depth_complexity(std::span<const DrawObject> objects, const ItemBuffer& items, const View& view) {
+// Returns whether no triangle of the node can be inside the frustum.
+bool is_outside(const hlod::DrawnNode& draw, std::span<const hlod::PlacedHlod> placed, const View& view) {
+  const hlod::PlacedHlod& object = placed[draw.object];
+  return !ObjectView(view, object.object_to_world).may_be_inside(object.hlod->node(draw.node).sphere);
+}
+
+// Returns fragments of the input per pixel that it covers. `objects` are those of its nodes.
+double depth_complexity(const Front& input, std::span<const DrawObject> objects,
+                        std::span<const hlod::PlacedHlod> placed, const ItemBuffer& items, const View& view) {
   double layers = 0.0;
-  for (const DrawObject& object : objects)
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const DrawObject& object = objects[i];
+    if (is_outside(input.draws[i], placed, view)) continue;
     layers += count_fragments(object.positions, object.triangles, ObjectView(view, object.object_to_world), true, 1)
                   .all.layers;
+  }
   const auto covered = std::count_if(items.depth.nearness.begin(), items.depth.nearness.end(),
                                      [](float nearness) { return nearness > 0.0F; });
   return covered > 0 ? layers * view.width() * view.height() / static_cast<double>(covered) : 0.0;
+}
+
+// Draws as redraw() does, but for what is beyond the far plane, which our rasteriser draws in perspective.
+void redraw_to_far_plane(ItemBuffer& items, std::span<const DrawObject> objects, const View& view) {
+  redraw(items, objects, view);
+  for (std::size_t i = 0; i < items.items.size(); ++i) {
+    float& nearness = items.depth.nearness[i];
+    if (items.items[i] == no_item || view.distance_at(nearness) <= view.camera().far) continue;
+    nearness = 0.0F;
+    items.items[i] = no_item;
+  }
 }
 
 // Computes the point of the world that a pixel shows.
@@ -92,47 +114,44 @@ DepthBuffer where_shown(DepthBuffer depth, const DepthBuffer& other, const std::
 
 HlodReference::HlodReference(std::span<const hlod::PlacedHlod> placed, const hlod::TraverseOptions& options,
                              const hlod::Trial* trial)
-    : placed_(placed), options_(without_occlusion(options)), unculled_(placed) {
+    : placed_(placed), options_(without_occlusion(options)), unculled_(placed), input_(full_front(placed)) {
+  full_.mesh.assign(input_, placed_);
   if (trial == nullptr) return;
   hlod::Trial without_rival = *trial;
   without_rival.rival = nullptr;
   unculled_.set_trial(without_rival);
 }
 
-void HlodReference::draw(Picture& picture, const Front& front) {
-  picture.mesh.assign(front, placed_);
-  redraw(picture.items, picture.mesh.objects(), *view_);
+void HlodReference::draw(Picture& picture) {
+  redraw_to_far_plane(picture.items, picture.mesh.objects(), *view_);
   picture.image = shade_without_wire(picture.items, picture.mesh.objects(), *view_);
 }
 
 void HlodReference::set_view(const View& view, const View& last) {
   view_ = &view;
-  draw(full_, full_front(placed_, view));
-  before_mesh_.assign(full_front(placed_, last), placed_);
-  redraw(before_items_, before_mesh_.objects(), last);
+  draw(full_);
+  redraw_to_far_plane(before_items_, full_.mesh.objects(), last);
   shown_before_ = shown_in(view, full_.items.depth, last, before_items_.depth);
-  depth_complexity_ = depth_complexity(full_.mesh.objects(), full_.items, view);
+  depth_complexity_ = depth_complexity(input_, full_.mesh.objects(), placed_, full_.items, view);
   if (options_.tolerance_px == 0.0) {  // the input itself, which no box of a node decides about
     plain_.items = full_.items;
     plain_.image = full_.image;
-    plain_sse_px_ = 0.0;
     return;
   }
-  const hlod::Frame& unculled = unculled_.draw_frame(view, device_, options_);
-  draw(plain_, front_of(unculled));
-  plain_sse_px_ = unculled.stats.largest_sse_px;
+  plain_.mesh.assign(front_of(unculled_.draw_frame(view, device_, options_)), placed_);
+  draw(plain_);
 }
 
-HlodDistance HlodReference::compare(const Front& front, const Front& before, double largest_sse_px) {
-  draw(frame_, front);
+HlodDistance HlodReference::compare(const Front& front, const Front& before) {
+  frame_.mesh.assign(front, placed_);
+  draw(frame_);
   before_mesh_.assign(before, placed_);
-  redraw(before_items_, before_mesh_.objects(), *view_);
+  redraw_to_far_plane(before_items_, before_mesh_.objects(), *view_);
 
   HlodDistance result;
   result.to_full = distance(*view_, frame_.items, frame_.image, full_.items, full_.image);
   result.to_unculled = distance(*view_, frame_.items, frame_.image, plain_.items, plain_.image);
-  result.wrongly_hidden_px =
-      count_unexplained_pixels(*view_, plain_.items.depth, frame_.items.depth, largest_sse_px + plain_sse_px_);
+  result.wrongly_hidden_px = count_lost_pixels(*view_, full_.items.depth, frame_.items.depth, options_.tolerance_px);
   result.crack_px = count_crack_pixels(*view_, full_.items.depth, frame_.items.depth, 4.0 * options_.tolerance_px);
   result.popping =
       measure_popping(*view_, where_shown(before_items_.depth, frame_.items.depth, shown_before_), frame_.items.depth);

@@ -19,7 +19,9 @@ struct HlodDistance {
   // This is the distance to what vfc draws with the same tolerance, without occlusion and bias, like the picture of
   // `bool`. At tolerance 0 it is the distance to the input.
   PictureDistance to_unculled;
-  std::size_t wrongly_hidden_px = 0;  // pixels of that picture that the frame cannot explain within the errors of both
+  // Counts pixels by count_lost_pixels() against the input, within the tolerance: what occlusion hides wrongly, and
+  // what simplification loses. That of vfc, which hides nothing, is the latter alone.
+  std::size_t wrongly_hidden_px = 0;
   // Counts pixels by count_crack_pixels() against the input, within four times the tolerance, since errors of nodes are
   // no bounds. With a bias errors are larger, and a counted pixel need not be a gap.
   std::size_t crack_px = 0;
@@ -27,7 +29,8 @@ struct HlodDistance {
   double depth_complexity = 0.0;  // fragments of the input inside the frustum per covered pixel
 };
 
-// Draws every picture itself with our own rasteriser. Reuses its memory from frame to frame.
+// Draws every picture itself with our own rasteriser, without what is beyond the far plane: there nodes are culled. The
+// input is all its triangles, whatever the boxes of nodes say of them. Reuses its memory from frame to frame.
 class HlodReference {
  public:
   // The HLODs and what `placed` points to must outlive it. `options` and `trial` (may be null) are those of the frames
@@ -36,11 +39,10 @@ class HlodReference {
                 const hlod::Trial* trial);
 
   // Draws the pictures to compare frames of this view with. `last` is the view of the previous frame. The view must
-  // outlive the comparisons. O(triangles of the input inside the frustum + pixels).
+  // outlive the comparisons. O(triangles of the input + pixels).
   void set_view(const View& view, const View& last);
-  // Compares a frame of that view, whose largest error is `largest_sse_px`. `before` is what the previous frame drew.
-  // O(triangles drawn + pixels).
-  [[nodiscard]] HlodDistance compare(const Front& front, const Front& before, double largest_sse_px);
+  // Compares a frame of that view. `before` is what the previous frame drew. O(triangles drawn + pixels * tolerance).
+  [[nodiscard]] HlodDistance compare(const Front& front, const Front& before);
 
  private:
   struct Picture {
@@ -48,15 +50,15 @@ class HlodReference {
     ItemBuffer items;
     Image image;
   };
-  void draw(Picture& picture, const Front& front);
+  void draw(Picture& picture);
 
   std::span<const hlod::PlacedHlod> placed_;
   hlod::TraverseOptions options_;
   hlod::Traverser unculled_;
   hlod::SoftwareDevice device_;
+  Front input_;
   const View* view_ = nullptr;
   Picture full_, plain_, frame_;
-  double plain_sse_px_ = 0.0;  // largest error in plain_
   double depth_complexity_ = 0.0;
   FrontMesh before_mesh_;
   ItemBuffer before_items_;

@@ -152,8 +152,7 @@ void HlodRuns::draw(State& state, int frame, const View& view) {
   }
   row["hash"] = fmt::format("{:016x}", state.frame->front_hash);
   if (state.run.options.strategy == hlod::Strategy::automatic) row.update(choice_to_json(*state.frame));
-  if (is_compared(frame))
-    row.update(to_json(reference_->compare(state.front, before, state.frame->stats.largest_sse_px)));
+  if (is_compared(frame)) row.update(to_json(reference_->compare(state.front, before)));
   state.rows.push_back(std::move(row));
 }
 

@@ -89,9 +89,10 @@ void tell_hierarchy(const Options& options) {
   print(options, std::move(result), file.report);
 }
 
-void refuse_hlod(const std::string& file) {
-  if (std::filesystem::path(file).extension() == ".ohlod")
-    throw Error({file, "", "is an .ohlod file", "use 'occlod hlod info'"});
+void refuse_others(const std::string& file) {
+  const std::filesystem::path extension = std::filesystem::path(file).extension();
+  if (extension == ".ohlod") throw Error({file, "", "is an .ohlod file", "use 'occlod hlod info'"});
+  if (extension == ".vlod") throw Error({file, "", "is a .vlod file", "use 'occlod cells info'"});
 }
 
 bool is_hierarchy(const std::string& file) { return std::filesystem::path(file).extension() == ".olod"; }
@@ -107,7 +108,7 @@ void add_info(CLI::App& app) {
       "Read and check all of an .olod file, and count dependencies and levels; meshes are read in full anyway");
   command.callback([options, &command] {
     read_global_options(command, {.json = &options->json});
-    refuse_hlod(options->file);
+    refuse_others(options->file);
     is_hierarchy(options->file) ? tell_hierarchy(*options) : tell_mesh(*options);
   });
 }

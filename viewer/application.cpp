@@ -7,11 +7,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 
 #include "backend.h"
+#include "draw/image_drawing.h"
 #include "draw/legend_image.h"
 #include "draw/overlays.h"
 #include "draw/render_target.h"
@@ -72,12 +74,13 @@ Image side_by_side(const Image& left, const Image& right) {
 }  // namespace
 
 struct Application::Drawings {
-  explicit Drawings(const gl::Functions& gl) : scene(gl), depth(gl), birdseye(gl), timer(gl) {
+  explicit Drawings(const gl::Functions& gl) : scene(gl), depth(gl), difference(gl), birdseye(gl), timer(gl) {
     for (int i = 0; i < 2; ++i) sides.push_back(std::make_unique<RenderTarget>(gl));
   }
 
   SceneDrawing scene;
   DepthTexture depth;
+  ImageDrawing difference;
   std::vector<std::unique_ptr<RenderTarget>> sides;
   RenderTarget birdseye;
   GpuTimer timer;
@@ -100,20 +103,24 @@ class Application::Gui {
     ImGui::DestroyContext();
   }
 
-  void begin(float scale) {
-    if (scale != scale_) {
+  // Without a mouse nothing is hovered.
+  void begin(float scale, Theme theme, bool has_mouse) {
+    if (scale != scale_ || theme != theme_) {
       if (scale_ > 0.0F) ImGui_ImplOpenGL3_DestroyFontsTexture();
-      apply_theme(scale);
+      apply_theme(scale, theme);
       if (scale_ > 0.0F) ImGui_ImplOpenGL3_CreateFontsTexture();
       scale_ = scale;
+      theme_ = theme;
     }
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
+    if (!has_mouse) ImGui::GetIO().MousePos = ImVec2(-FLT_MAX, -FLT_MAX);
     ImGui::NewFrame();
   }
 
  private:
   float scale_ = 0.0F;
+  Theme theme_ = Theme::dark;
 };
 
 Application::Application(const ApplicationOptions& options) : options_(options) {
@@ -201,7 +208,7 @@ bool Application::step() {
   const ImageSize pixels = window_->picture_size();
   if (pixels.width == 0 || pixels.height == 0) return !window_->wants_to_close();  // minimised
   panels_->scale = scale();
-  gui_->begin(panels_->scale);
+  gui_->begin(panels_->scale, state.settings.window.theme, !script_);
   const ImVec2 window_area(static_cast<float>(size.width), static_cast<float>(size.height));
   const Layout before_picture = lay_out(*session_, window_area, panels_->scale);
   input_.update(*panels_, before_picture, window_->held_keys(), seconds);
@@ -258,9 +265,15 @@ void Application::draw_pictures(const Layout& layout) {
   drawings_->cost.uploaded_bytes = drawings_->scene.upload(session_->frame());
   drawings_->cost.upload_ms = ms_since(start);
   drawings_->timer.begin();
+  drawings_->scene.set_clip_plane(clip_plane(state.settings.clip, *state.objects));
   std::vector<ImTextureID> pictures;
   for (std::size_t i = 0; i < layout.pictures.size(); ++i) {
-    drawings_->scene.draw(*drawings_->sides[i], state.camera, i, state.settings.look, main_overlay(*session_, i));
+    const auto& frame = session_->frame();
+    if (frame && i < frame->sides.size() && frame->sides[i].difference)
+      drawings_->difference.draw(*drawings_->sides[i], state.camera.width, state.camera.height,
+                                 frame->sides[i].difference);
+    else
+      drawings_->scene.draw(*drawings_->sides[i], state.camera, i, state.settings.look, main_overlay(*session_, i));
     pictures.push_back(texture_id(drawings_->sides[i]->texture()));
   }
   draw_insets();

@@ -47,7 +47,7 @@ class VirtualDevice final : public RenderDevice {
   std::unique_ptr<Impl> impl_;
 };
 
-// `query-cheap`, `query-dear`, `fill-bound` and `modern`. What they stand for: docs/guide/hlod.md.
+// `query-cheap`, `query-dear`, `fill-bound` and `modern`. What they stand for: docs/internals/hlod.md.
 [[nodiscard]] std::span<const DeviceCosts> device_presets();
 
 // The preset of this name. Throws Error that lists the names.

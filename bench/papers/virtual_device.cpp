@@ -13,7 +13,7 @@
 namespace occlod::hlod {
 namespace {
 
-// Grounds: docs/guide/hlod.md.
+// Grounds: docs/internals/hlod.md.
 const std::array<DeviceCosts, 4>& presets() {
   static const std::array<DeviceCosts, 4> all{{
       {.name = "query-cheap",

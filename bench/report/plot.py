@@ -1,6 +1,10 @@
-"""Plots as SVG: points of error against time, with a Pareto front and marked settings; and lines."""
+"""Plots as SVG: points of error against time, with a Pareto front and marked settings; and lines.
+
+Every mark has its colours as attributes, which any program reads that shows or prints SVG. In pages, style() overrides them for
+dark backgrounds."""
 import html
 import math
+import textwrap
 
 # Okabe and Ito's colours, which people tell apart whatever they see, darker or lighter where the background asks for it; every series has a shape
 # of its own as well.
@@ -14,17 +18,55 @@ KNOB_SHAPE = "M-3.5 -3.5L3.5 3.5M-3.5 3.5L3.5 -3.5"
 KNOBS = "one knob turned"
 
 
+# How what CSS selects is painted. Colours are those of the themes; `series`: the colour of the line that it belongs to.
+PAINT = {"svg text": {"fill": "ink"}, ".soft": {"fill": "soft"}, ".grid": {"fill": "none", "stroke": "grid"},
+         ".point path": {"fill": "series", "stroke": "paper", "stroke-width": 1}, ".point.knob path": {"fill": "none", "stroke": "series", "stroke-width": 1.6},
+         ".line": {"fill": "none", "stroke": "series", "stroke-width": 1.4, "stroke-opacity": 0.65},
+         ".course": {"fill": "none", "stroke": "series", "stroke-width": 1.5, "stroke-linejoin": "round"}, ".diagonal": {"fill": "none", "stroke": "front", "stroke-width": 3},
+         ".front": {"fill": "none", "stroke": "front", "stroke-width": 6, "stroke-linejoin": "round", "stroke-linecap": "round"},
+         ".inner": {"fill": "none", "stroke": "mark", "stroke-width": 3, "stroke-dasharray": "7 5", "stroke-opacity": 0.6},
+         ".mark": {"fill": "none", "stroke": "mark", "stroke-width": 2.5}, ".halo": {"fill": "none", "stroke": "paper", "stroke-width": 5, "stroke-linejoin": "round"},
+         "text.marked": {"fill": "mark", "font-weight": 600}}
+
+
+def paint(selector, series=""):
+    """The attributes of a mark, on white. `series`: s0 to s7."""
+    return " ".join(f'{name}="{LIGHT.get(series if value == "series" else value, value)}"' for name, value in PAINT[selector].items())
+
+
 def style():
-    """Colours of both themes as CSS variables, and the classes that plots use."""
+    """Colours of both themes as CSS variables, and what paints marks with them."""
     def variables(colours):
         return ";".join(f"--{name}:{colour}" for name, colour in colours.items())
+
+    def css(value):
+        return "var(--c)" if value == "series" else f"var(--{value})" if value in LIGHT else value
     series = "".join(f".s{i}{{--c:var(--s{i})}}" for i in range(8))
-    return (f":root{{{variables(LIGHT)}}}@media (prefers-color-scheme:dark){{:root{{{variables(DARK)}}}}}"
-            "svg text{font:12px system-ui,sans-serif;fill:var(--ink)}.soft{fill:var(--soft)}.grid{stroke:var(--grid);fill:none}"
-            ".point path{fill:var(--c);stroke:var(--paper);stroke-width:1}.point.knob path{fill:none;stroke:var(--c);stroke-width:1.6}"
-            ".line{fill:none;stroke:var(--c);stroke-width:1.4;opacity:.65}.course{fill:none;stroke:var(--c);stroke-width:1.5;stroke-linejoin:round}"
-            ".diagonal{fill:none;stroke:var(--front);stroke-width:3}.front{fill:none;stroke:var(--front);stroke-width:6;stroke-linejoin:round;"
-            "stroke-linecap:round}.inner{fill:none;stroke:var(--mark);stroke-width:3;stroke-dasharray:7 5;opacity:.6}.mark{fill:none;stroke:var(--mark);stroke-width:2.5}text.marked{fill:var(--mark);font-weight:600;stroke:var(--paper);stroke-width:5;paint-order:stroke}" + series)
+    rules = "".join(f"{selector}{{{';'.join(f'{name}:{css(value)}' for name, value in properties.items())}}}" for selector, properties in PAINT.items())
+    return f":root{{{variables(LIGHT)}}}@media (prefers-color-scheme:dark){{:root{{{variables(DARK)}}}}}svg text{{font:12px system-ui,sans-serif}}{rules}{series}"
+
+
+TITLE_PX, LINE_PX = 24, 16  # a title and a line of text are so high
+
+
+def heading_px(title, about):
+    return TITLE_PX * bool(title) + LINE_PX * len(about)
+
+
+def heading(title, about):
+    """What is shown, and of which scenes: above the plot."""
+    if title:
+        yield f'<text class="title" x="14" y="22" font-size="15" font-weight="600" {paint("svg text")}>{html.escape(title)}</text>'
+    for i, line in enumerate(about):
+        yield f'<text class="soft" x="14" y="{heading_px(title, about[:i + 1]) + 2}" {paint(".soft")}>{html.escape(line)}</text>'
+
+
+def whole_svg(parts, attributes, size, standalone):
+    """Standalone ones are files of their own, on white."""
+    name = 'xmlns="http://www.w3.org/2000/svg" ' if standalone else ""
+    ground = f'<rect width="{size[0]}" height="{size[1]}" fill="{LIGHT["paper"]}"/>' if standalone else ""
+    return (f'<svg {name}class="plot" role="img" {attributes} viewBox="0 0 {size[0]} {size[1]}" width="{size[0]}" height="{size[1]}" font-family="Helvetica,Arial,DejaVu Sans,sans-serif" font-size="12">'
+            f'{ground}{"".join(parts)}</svg>')
 
 
 def short(value):
@@ -72,89 +114,104 @@ def grid(across, up, x_label, y_label):
     left, right, top, bottom = across.first_px, across.last_px, up.last_px, up.first_px
     for tick in across.ticks():
         x = across.px(tick)
-        yield f'<path class="grid" data-axis="0" data-at="{tick!r}" d="M{x:.2f} {top}V{bottom}"/>'
-        yield f'<text class="soft" x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{tick:g}</text>'
+        yield f'<path class="grid" data-axis="0" data-at="{tick!r}" d="M{x:.2f} {top}V{bottom}" {paint(".grid")}/>'
+        yield f'<text class="soft" x="{x:.1f}" y="{bottom + 16}" text-anchor="middle" {paint(".soft")}>{tick:g}</text>'
     for tick in up.ticks():
         y = up.px(tick)
-        yield f'<path class="grid" data-axis="1" data-at="{tick!r}" d="M{left} {y:.2f}H{right}"/>'
-        yield f'<text class="soft" x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{tick:g}</text>'
-    yield f'<text x="{(left + right) / 2}" y="{bottom + 36}" text-anchor="middle">{html.escape(x_label)}</text>'
-    yield f'<text transform="translate(14 {(top + bottom) / 2}) rotate(-90)" text-anchor="middle">{html.escape(y_label)}</text>'
+        yield f'<path class="grid" data-axis="1" data-at="{tick!r}" d="M{left} {y:.2f}H{right}" {paint(".grid")}/>'
+        yield f'<text class="soft" x="{left - 6}" y="{y + 4:.1f}" text-anchor="end" {paint(".soft")}>{tick:g}</text>'
+    yield f'<text class="axis" x="{(left + right) / 2}" y="{bottom + 36}" text-anchor="middle" {paint("svg text")}>{html.escape(x_label)}</text>'
+    yield f'<text class="axis" transform="translate(14 {(top + bottom) / 2}) rotate(-90)" text-anchor="middle" {paint("svg text")}>{html.escape(y_label)}</text>'
 
 
 class Plot:
     """`points`: dictionaries with setting, series (empty for a turned knob) and the keys x and y."""
 
-    def __init__(self, points, x, y, x_label, y_label, size=(460, 320), log_y=True, legend_px=0):
+    def __init__(self, points, x, y, x_label, y_label, size=(460, 320), log_y=True, legend_px=0, title="", about=()):
         self.points = [p for p in points if p[x] is not None and p[y] is not None]
         self.missing = len(points) - len(self.points)
         self.x, self.y, self.x_label, self.y_label, self.log_y = x, y, x_label, y_label, log_y
-        self.width, self.height = size
+        self.title, self.about = title, about  # above the plot; `about`: lines
+        self.top = heading_px(title, about)
+        self.width, self.height = size[0], size[1] + self.top
         self.legend_px = legend_px  # on the right, where one is drawn in the plot itself
         self.fronts, self.front_names, self.marked, self.series = {}, {}, {}, []  # fronts and their names by class: front, inner
+        self.note = ""  # on the marked settings, below the legend
 
     def svg(self, standalone=False):
         if not self.points:
             return f"<p>{html.escape(self.y_label)}: nothing was measured.</p>"
         across = Axis([p[self.x] for p in self.points], 58, self.width - self.legend_px - 14, True)
-        up = Axis([p[self.y] for p in self.points], self.height - 46, 14, self.log_y)
+        up = Axis([p[self.y] for p in self.points], self.height - 46, self.top + 14, self.log_y)
         place = {p["setting"]: (across.px(p[self.x]), up.px(p[self.y])) for p in self.points}
-        parts = [*grid(across, up, self.x_label, self.y_label)]
+        parts = [*heading(self.title, self.about), *grid(across, up, self.x_label, self.y_label)]
         for layer in (self.front_lines, self.lines, self.marks, self.dots, self.labels):
             parts += layer(place)
         parts += self.legend() if self.legend_px else []
-        name = 'xmlns="http://www.w3.org/2000/svg" ' if standalone else ""
-        css = f"<style>{style()}svg{{background:var(--paper)}}</style>" if standalone else ""
         log = f"{int(across.logarithmic)}{int(up.logarithmic)}"
-        about = f'role="img" aria-label="{html.escape(self.y_label)} against {html.escape(self.x_label)}"'
-        return (f'<svg {name}class="plot" {about} data-log="{log}" data-floor="{FLOOR}" data-x="{self.x}" data-y="{self.y}" viewBox="0 0 {self.width} {self.height}" width="{self.width}" height="{self.height}">{css}{"".join(parts)}</svg>')
+        about = f'aria-label="{html.escape(self.y_label)} against {html.escape(self.x_label)}" data-log="{log}" data-floor="{FLOOR}" data-x="{self.x}" data-y="{self.y}"'
+        return whole_svg(parts, about, (self.width, self.height), standalone)
 
     def front_lines(self, place):
         for kind, names in self.fronts.items():
             corners = [place[name] for name in names if name in place]
             if len(corners) > 1:
-                yield f'<path class="{kind}" d="M' + "L".join(f"{x:.1f} {y:.1f}" for x, y in corners) + '"/>'
+                yield f'<path class="{kind}" d="M' + "L".join(f"{x:.1f} {y:.1f}" for x, y in corners) + f'" {paint("." + kind)}/>'
 
     def lines(self, place):
         for name in self.series:
             line = [place[p["setting"]] for p in self.points if p["series"] == name]
             if len(line) > 1:
-                yield f'<path class="line s{self.series.index(name)}" d="M' + "L".join(f"{x:.1f} {y:.1f}" for x, y in line) + '"/>'
+                series = f"s{self.series.index(name)}"
+                yield f'<path class="line {series}" d="M' + "L".join(f"{x:.1f} {y:.1f}" for x, y in line) + f'" {paint(".line", series)}/>'
 
     def dots(self, place):
         for p in sorted(self.points, key=lambda p: p["series"] != ""):
             x, y = place[p["setting"]]
-            i = self.series.index(p["series"]) if p["series"] else None
-            kind, shape = ("knob s7", KNOB_SHAPE) if i is None else (f"s{i}", SHAPES[i])
+            kind, drawing = mark_of(self.series.index(p["series"]) if p["series"] else None)
             tip = html.escape(f"{p['setting']}\n{self.x_label}: {short(p[self.x])}\n{self.y_label}: {short(p[self.y])}")
             yield (f'<g class="point {kind}" data-setting="{html.escape(p["setting"])}" data-x="{p[self.x]!r}" data-y="{p[self.y]!r}" '
-                   f'transform="translate({x:.2f} {y:.2f})"><title>{tip}</title><path d="{shape}"/></g>')
+                   f'transform="translate({x:.2f} {y:.2f})"><title>{tip}</title>{drawing}</g>')
 
     def legend(self):
-        for i, (drawing, name) in enumerate(legend_rows(self.series, self.front_names)):
-            yield f'<g transform="translate({self.width - self.legend_px} {20 + 22 * i})">{drawing}<text x="30" y="12">{html.escape(name)}</text></g>'
+        left, below = self.width - self.legend_px, self.top + 20
+        for drawing, name in legend_rows(self.series, self.front_names):
+            yield f'<g transform="translate({left} {below})">{drawing}<text x="30" y="12" {paint("svg text")}>{html.escape(name)}</text></g>'
+            below += 22
+        for line in textwrap.wrap(self.note, self.legend_px // 7):
+            yield f'<text class="note" x="{left}" y="{below + 18}" {paint("svg text")}>{html.escape(line)}</text>'
+            below += LINE_PX
 
     def marks(self, place):
-        return [f'<circle class="mark" data-marked="{html.escape(name)}" cx="{place[name][0]:.2f}" cy="{place[name][1]:.2f}" r="11"/>'
+        return [f'<circle class="mark" data-marked="{html.escape(name)}" cx="{place[name][0]:.2f}" cy="{place[name][1]:.2f}" r="11" {paint(".mark")}/>'
                 for name in self.marked if name in place]
 
     def labels(self, place):
-        """Beside their rings, on the side with more room."""
+        """Beside their rings, on the side with more room, on a ground of their own: not every program paints the stroke of a text below its fill."""
         for name, text in self.marked.items():
             if name not in place or not text:
                 continue
             x, y = place[name]
             side, anchor = (-16, "end") if x > (self.width - self.legend_px) * 0.6 else (16, "start")
-            yield f'<text class="marked" x="{x + side:.1f}" y="{y - 10:.1f}" text-anchor="{anchor}">{html.escape(text)}</text>'
+            where = f'x="{x + side:.1f}" y="{y - 10:.1f}" text-anchor="{anchor}"'
+            yield f'<text class="halo" {where} font-weight="600" {paint(".halo")}>{html.escape(text)}</text>'
+            yield f'<text class="marked" {where} {paint("text.marked")}>{html.escape(text)}</text>'
+
+
+def mark_of(series):
+    """Class and drawing of a point; None: of a turned knob."""
+    if series is None:
+        return "knob s7", f'<path d="{KNOB_SHAPE}" {paint(".point.knob path", "s7")}/>'
+    return f"s{series % 8}", f'<path d="{SHAPES[series % len(SHAPES)]}" {paint(".point path", f"s{series % 8}")}/>'
 
 
 def legend_rows(series, fronts):
     """The drawing in a box of 24 x 16 pixels around (12, 8), and its name."""
-    for i, name in enumerate(series):
-        yield f'<g class="point s{i}" transform="translate(12 8)"><path d="{SHAPES[i]}"/></g>', name
-    yield f'<g class="point knob s7" transform="translate(12 8)"><path d="{KNOB_SHAPE}"/></g>', KNOBS
+    for i, name in [*enumerate(series), (None, KNOBS)]:
+        kind, drawing = mark_of(i)
+        yield f'<g class="point {kind}" transform="translate(12 8)">{drawing}</g>', name
     for kind, name in fronts.items():
-        yield f'<path class="{kind}" d="M2 8H22"/>', name
+        yield f'<path class="{kind}" d="M2 8H22" {paint("." + kind)}/>', name
 
 
 def legend_html(series, fronts):
@@ -162,17 +219,19 @@ def legend_html(series, fronts):
     return f'<p class="legend">{"".join(items)}</p>'
 
 
-DASHES = ["", "7 3", "2 3", "9 3 2 3", "5 5", "12 4", "1 4"]
+DASHES = ["none", "7 3", "2 3", "9 3 2 3", "5 5", "12 4", "1 4"]
 
 
 class Lines:
     """Lines over a common axis, such as what strategies take frame by frame. `lines`: by name, points (x, y) in order of x. Both axes are linear, that of y
     from 0, unless told otherwise."""
 
-    def __init__(self, lines, x_label, y_label, size=(460, 300), dots=False, from_zero=True, legend_px=0, log_y=False):
+    def __init__(self, lines, x_label, y_label, size=(460, 300), dots=False, from_zero=True, legend_px=0, log_y=False, title="", about=()):
         self.lines = {name: points for name, points in lines.items() if points}
         self.x_label, self.y_label, self.dots, self.from_zero, self.log_y = x_label, y_label, dots, from_zero and not log_y, log_y
-        self.width, self.height = size
+        self.title, self.about = title, about  # above the plot; `about`: lines
+        self.top = heading_px(title, about)
+        self.width, self.height = size[0], size[1] + self.top
         self.legend_px = legend_px  # on the right, where one is drawn in the plot itself
         self.diagonal = False  # where both axes show the same
 
@@ -180,38 +239,36 @@ class Lines:
         """There has to be a line."""
         points = [point for line in self.lines.values() for point in line]
         across = Axis([x for x, _ in points], 66, self.width - self.legend_px - 14, False)
-        up = Axis([0.0] * self.from_zero + [y for _, y in points], self.height - 46, 14, self.log_y)
+        up = Axis([0.0] * self.from_zero + [y for _, y in points], self.height - 46, self.top + 14, self.log_y)
         if self.from_zero:
             up.low = 0.0
-        parts = [*grid(across, up, self.x_label, self.y_label)]
+        parts = [*heading(self.title, self.about), *grid(across, up, self.x_label, self.y_label)]
         if self.diagonal:
             low, high = max(across.low, up.low), min(across.high, up.high)
-            parts.append(f'<path class="diagonal" d="M{across.px(low):.1f} {up.px(low):.1f}L{across.px(high):.1f} {up.px(high):.1f}"/>')
+            parts.append(f'<path class="diagonal" d="M{across.px(low):.1f} {up.px(low):.1f}L{across.px(high):.1f} {up.px(high):.1f}" {paint(".diagonal")}/>')
         for i, (name, line) in enumerate(self.lines.items()):
             parts += self.line(i, name, [(across.px(x), up.px(y)) for x, y in line], line)
         for i, (drawing, name) in enumerate(self.legend_rows() if self.legend_px else ()):
-            parts.append(f'<g transform="translate({self.width - self.legend_px + 6} {20 + 22 * i})">{drawing}<text x="40" y="12">{html.escape(name)}</text></g>')
-        start = 'xmlns="http://www.w3.org/2000/svg" ' if standalone else ""
-        css = f"<style>{style()}svg{{background:var(--paper)}}</style>" if standalone else ""
-        about = f'role="img" aria-label="{html.escape(self.y_label)} over {html.escape(self.x_label)}"'
-        return (f'<svg {start}class="plot" {about} data-y="{html.escape(self.y_label)}" viewBox="0 0 {self.width} {self.height}" width="{self.width}" height="{self.height}">'
-                f'{css}{"".join(parts)}</svg>')
+            parts.append(f'<g transform="translate({self.width - self.legend_px + 6} {self.top + 20 + 22 * i})">{drawing}<text x="40" y="12" {paint("svg text")}>'
+                         f'{html.escape(name)}</text></g>')
+        about = f'aria-label="{html.escape(self.y_label)} over {html.escape(self.x_label)}" data-y="{html.escape(self.y_label)}"'
+        return whole_svg(parts, about, (self.width, self.height), standalone)
 
     def line(self, i, name, placed, line):
         path = "L".join(f"{x:.1f} {y:.1f}" for x, y in placed)
         mean = sum(y for _, y in line) / len(line)
         yield (f'<path class="course s{i % 8}" stroke-dasharray="{DASHES[i % len(DASHES)]}" data-line="{html.escape(name)}" data-points="{len(line)}" data-mean="{mean!r}" '
-               f'd="M{path}"><title>{html.escape(name)}: mean {short(mean)}</title></path>')
+               f'd="M{path}" {paint(".course", f"s{i % 8}")}><title>{html.escape(name)}: mean {short(mean)}</title></path>')
         if self.dots:
             for (x, y), (value_x, value_y) in zip(placed, line):
                 tip = html.escape(f"{name}\n{self.x_label}: {short(value_x)}\n{self.y_label}: {short(value_y)}")
-                yield f'<g class="point s{i % 8}" transform="translate({x:.2f} {y:.2f})"><title>{tip}</title><path d="{SHAPES[i % len(SHAPES)]}"/></g>'
+                yield f'<g class="point s{i % 8}" transform="translate({x:.2f} {y:.2f})"><title>{tip}</title>{mark_of(i)[1]}</g>'
 
     def legend_rows(self):
         """The drawing in a box of 34 x 16 pixels, and its name."""
         for i, name in enumerate(self.lines):
-            dot = f'<g class="point s{i % 8}" transform="translate(17 8)"><path d="{SHAPES[i % len(SHAPES)]}"/></g>' if self.dots else ""
-            yield f'<path class="course s{i % 8}" stroke-dasharray="{DASHES[i % len(DASHES)]}" d="M2 8H32"/>{dot}', name
+            dot = f'<g class="point s{i % 8}" transform="translate(17 8)">{mark_of(i)[1]}</g>' if self.dots else ""
+            yield f'<path class="course s{i % 8}" stroke-dasharray="{DASHES[i % len(DASHES)]}" d="M2 8H32" {paint(".course", f"s{i % 8}")}/>{dot}', name
 
     def legend(self):
         """As HTML, below the plot."""

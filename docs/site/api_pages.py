@@ -2,12 +2,15 @@
 """Writes one Markdown page for each public header, which Breathe fills from Doxygen's XML.
 
 api_pages.py XML_FOLDER OUTPUT_FOLDER  writes OUTPUT_FOLDER/refine/refiner.md for occlod/refine/refiner.h, and so on:
-what the header says about itself, then its classes, enumerations, functions and constants in the header's order.
+what the header says about itself, its classes, enumerations, functions and constants in the header's order, and the
+example that uses most of these.
 """
 import pathlib
+import re
 import sys
 from xml.etree import ElementTree
 
+EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
 DIRECTIVES = {"class": "doxygenclass", "struct": "doxygenstruct", "enum": "doxygenenum", "function": "doxygenfunction",
               "variable": "doxygenvariable", "typedef": "doxygentypedef"}
 WITH_MEMBERS = {"class", "struct"}
@@ -53,6 +56,13 @@ def entities(xml):
                     yield place.get("file"), int(place.get("line")), member.get("kind"), f"{name}::{own}{arguments}", own
 
 
+def example_of(names):
+    """The file of the example in which most of these names occur, the shortest of such; none where none occurs."""
+    words = {path: set(re.findall(r"\w+", path.read_text(encoding="utf-8"))) for path in sorted(EXAMPLES.glob("*.cpp"))}
+    best = max(words, key=lambda path: (len(words[path] & names), -len(words[path])), default=None)
+    return best if best and words[best] & names else None
+
+
 def page(header, about, found):
     lines = [f"# {header.removeprefix('occlod/')}", "", f'    #include "{header}"', "", about, ""]
     above = None
@@ -61,6 +71,9 @@ def page(header, about, found):
             lines += [f"## {heading}", ""]
         above = heading
         lines += [f"```{{{DIRECTIVES[kind]}}} {name}", *([":members:"] if kind in WITH_MEMBERS else []), "```", ""]
+    example = example_of({heading for *_, heading in found})
+    if example:
+        lines += ["## An example", "", f"`examples/{example.name}`:", "", "```cpp", example.read_text(encoding="utf-8").rstrip(), "```", ""]
     return "\n".join(lines)
 
 

@@ -24,6 +24,21 @@ double fitting_distance(const Camera& camera, double radius) {
   return 1.02 * radius / std::sin(half);
 }
 
+Camera looking_at(const glm::dvec3& center, double radius, Camera camera) {
+  radius = std::max(radius, static_cast<double>(std::numeric_limits<float>::min()));
+  const double distance = fitting_distance(camera, radius);
+  camera.target = center;
+  camera.eye = center + distance * glm::normalize(glm::dvec3(1.0, 1.0, 2.0));
+  camera.near = (distance - radius) / 2.0;
+  camera.far = distance + 2.0 * radius;
+  return camera;
+}
+
+Camera looking_at(const Box& box, const Camera& camera) {
+  const glm::dvec3 low(box.min), high(box.max);
+  return looking_at((low + high) / 2.0, glm::distance(low, high) / 2.0, camera);
+}
+
 Camera orthographic(const Camera& camera) {
   Camera result = camera;
   const double half_tangent = std::tan(glm::radians(camera.fov_y_deg) / 2.0);

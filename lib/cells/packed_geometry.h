@@ -110,7 +110,7 @@ struct EncodedFrame {
   std::uint32_t raw_bytes = 0;  // equal to the number of bytes: stored uncompressed
 };
 // The level of zstd at which pack_cells() compresses: the highest, 19, saves 4 % more
-// (docs/benchmarks/packed_cells.md).
+// (docs/benchmarks/view_cells.md).
 inline constexpr int pack_level = 12;
 // Packs at another level, in [0, 19]; 0 does not compress the geometry.
 void pack_cells(const VlodFile& file, std::span<const RefineObject> objects, const std::filesystem::path& path,

@@ -205,17 +205,17 @@ std::size_t CellAdditions::bytes() const noexcept {
 class VlodFile::Impl {
  public:
   Impl(const std::filesystem::path& path, bool has_objects)
-      : path_(path.string()), file_(open(path)), reader_(std::in_place, path, kind_of(file_), true) {
+      : path_(path.string()), file_(open_file(path)), reader_(std::in_place, path, kind_of(*file_), true) {
     // Both may have been opened while one file replaced another.
     sections::FileHeader header;
-    file_.read(std::as_writable_bytes(std::span(&header, 1)));
+    file_->read(std::as_writable_bytes(std::span(&header, 1)));
     const sections::FileHeader mapped = reader_->header();
     if (std::memcmp(&header, &mapped, sizeof(header)) != 0)
       reader_->refuse("", "was replaced while it was opened", "open it again");
     version_ = header.version;
     scene_ = read_options(*reader_, path_, key_);
     ids_.emplace(scene_.objects, path_);
-    if (reader_->has(geometry_name)) geometry_.emplace(*reader_, scene_.objects, file_, path_);
+    if (reader_->has(geometry_name)) geometry_.emplace(*reader_, scene_.objects, *file_, path_);
     if (geometry_ && has_objects) numbers_.emplace(*reader_, *geometry_, scene_.objects);
     take_nodes();
     reader_.reset();  // also closes the mapping
@@ -229,7 +229,7 @@ class VlodFile::Impl {
   [[nodiscard]] std::span<const vlod::StoredObject> objects() const noexcept { return scene_.objects; }
   [[nodiscard]] const Key& key() const noexcept { return key_; }
   [[nodiscard]] std::uint32_t version() const noexcept { return version_; }
-  [[nodiscard]] std::uint64_t file_bytes() const noexcept { return file_.size(); }
+  [[nodiscard]] std::uint64_t file_bytes() const noexcept { return file_->size(); }
   [[nodiscard]] const PackedGeometry* geometry() const noexcept { return geometry_ ? &*geometry_ : nullptr; }
   [[nodiscard]] bool has_objects() const noexcept { return !hierarchies_.empty(); }
 
@@ -240,12 +240,6 @@ class VlodFile::Impl {
     if (file.size() >= sizeof(header)) file.read(std::as_writable_bytes(std::span(&header, 1)));
     const bool is_packed = header.version == packed_vlod_version || header.version == textured_vlod_version;
     return is_packed ? packed_kind : file_kind;
-  }
-  static InputFile open(const std::filesystem::path& path) try {
-    return InputFile(path.c_str());
-  } catch (const std::system_error& error) {
-    throw Error({path.string(), "", fmt::format("cannot be opened: {}", error.code().message()),
-                 "check that the file is there and can be read"});
   }
 
   [[noreturn]] void refuse(CellId cell, const std::string& problem) const {
@@ -277,7 +271,7 @@ class VlodFile::Impl {
   [[nodiscard]] bool take_packed(CellAdditions& additions) const;
 
   std::string path_;
-  InputFile file_;
+  std::shared_ptr<const InputFile> file_;
   std::uint32_t version_ = 0;
   std::optional<SectionReader> reader_;  // used only while the file is opened
   Key key_{};
@@ -317,7 +311,7 @@ CellAdditions VlodFile::Impl::read(CellId cell, std::span<const CellAdditions* c
   const CellNode& node = tree_->node(cell);
   std::vector<std::byte> bytes(node.payload_bytes);
   try {
-    file_.read(bytes, data_ + node.payload);
+    file_->read(bytes, data_ + node.payload);
   } catch (const std::system_error& error) {
     throw Error({path_, fmt::format("cell {}", cell), fmt::format("cannot be read: {}", error.code().message()),
                  "check the disk"});

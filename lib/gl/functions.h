@@ -99,6 +99,7 @@ namespace occlod::gl {
   X(UNIFORM1F, Uniform1f)                                           \
   X(UNIFORM1I, Uniform1i)                                           \
   X(UNIFORM3FV, Uniform3fv)                                         \
+  X(UNIFORM4FV, Uniform4fv)                                         \
   X(UNIFORMMATRIX3FV, UniformMatrix3fv)                             \
   X(UNIFORMMATRIX4FV, UniformMatrix4fv)                             \
   X(USEPROGRAM, UseProgram)                                         \

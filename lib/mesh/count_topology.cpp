@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/memory.h"
 #include "base/threads.h"
+#include "mesh/mesh_report.h"
 #include "occlod/mesh.h"
 
 namespace occlod {
@@ -35,14 +37,19 @@ class DisjointSets {
     return i;
   }
 
-  std::vector<std::uint32_t> parent_;
+  LargeVector<std::uint32_t> parent_;
+};
+
+struct Arrays {
+  std::span<const glm::vec3> positions;  // one per vertex
+  std::span<const Triangle> triangles;
 };
 
 bool has_repeated_corner(const Triangle& t) { return t.x == t.y || t.y == t.z || t.z == t.x; }
 
 // Exact while the coordinates of a triangle are less than 2^26 units in the last place apart, which is nearly always
 // so: the products of such differences fit in a double.
-bool has_zero_area(const TriangleMesh& mesh, const Triangle& t) {
+bool has_zero_area(const Arrays& mesh, const Triangle& t) {
   const glm::dvec3 a(mesh.positions[t.x]);
   const glm::dvec3 u = glm::dvec3(mesh.positions[t.y]) - a;
   const glm::dvec3 v = glm::dvec3(mesh.positions[t.z]) - a;
@@ -53,8 +60,7 @@ bool has_zero_area(const TriangleMesh& mesh, const Triangle& t) {
 // vertices near each other.
 class VertexRanges {
  public:
-  VertexRanges(const TriangleMesh& mesh, unsigned threads)
-      : mesh_(mesh), ranges_((mesh.triangle_count() + run - 1) / run) {
+  VertexRanges(const Arrays& mesh, unsigned threads) : mesh_(mesh), ranges_((mesh.triangles.size() + run - 1) / run) {
     constexpr std::size_t runs_a_task = 256;
     for_each_task(1 + ranges_.size() / runs_a_task, threads, [&](std::size_t task) {
       const std::size_t end = std::min((task + 1) * runs_a_task, ranges_.size());
@@ -95,9 +101,9 @@ class VertexRanges {
     }
     return {std::min({smallest.x, smallest.y, smallest.z}), std::max({largest.x, largest.y, largest.z})};
   }
-  [[nodiscard]] std::size_t run_end(std::size_t begin) const { return std::min(begin + run, mesh_.triangle_count()); }
+  [[nodiscard]] std::size_t run_end(std::size_t begin) const { return std::min(begin + run, mesh_.triangles.size()); }
 
-  const TriangleMesh& mesh_;
+  const Arrays& mesh_;
   std::vector<Range> ranges_;
 };
 
@@ -128,7 +134,7 @@ class Stars {
 // triangle at its smallest.
 class StarCounter {
  public:
-  StarCounter(const TriangleMesh& mesh, const VertexRanges& ranges) : mesh_(mesh), ranges_(ranges) {}
+  StarCounter(const Arrays& mesh, const VertexRanges& ranges) : mesh_(mesh), ranges_(ranges) {}
 
   void count(VertexId begin, VertexId end) {
     stars_.collect(ranges_, begin, end);
@@ -219,7 +225,7 @@ class StarCounter {
     for (std::size_t i = 1; i < opposite_.size(); ++i) report_.repeated_triangles += opposite_[i] == opposite_[i - 1];
   }
 
-  const TriangleMesh& mesh_;
+  const Arrays& mesh_;
   const VertexRanges& ranges_;
   Stars stars_;
   MeshReport report_;  // counts of all vertices so far; topology only
@@ -229,10 +235,10 @@ class StarCounter {
   DisjointSets fans_;
 };
 
-std::uint64_t count_components(const TriangleMesh& mesh) {
+std::uint64_t count_components(const Arrays& mesh) {
   DisjointSets sets;
-  sets.reset(mesh.vertex_count());
-  std::vector<bool> used(mesh.vertex_count());
+  sets.reset(mesh.positions.size());
+  LargeVector<bool> used(mesh.positions.size());
   std::uint64_t joins = 0;
   for (const Triangle& t : mesh.triangles) {
     used[t.x] = used[t.y] = used[t.z] = true;
@@ -242,7 +248,7 @@ std::uint64_t count_components(const TriangleMesh& mesh) {
   return static_cast<std::uint64_t>(std::count(used.begin(), used.end(), true)) - joins;
 }
 
-std::uint64_t count_zero_areas(const TriangleMesh& mesh, std::size_t begin, std::size_t end) {
+std::uint64_t count_zero_areas(const Arrays& mesh, std::size_t begin, std::size_t end) {
   std::uint64_t count = 0;
   for (std::size_t t = begin; t < end; ++t) {
     count += !has_repeated_corner(mesh.triangles[t]) && has_zero_area(mesh, mesh.triangles[t]);
@@ -253,11 +259,12 @@ std::uint64_t count_zero_areas(const TriangleMesh& mesh, std::size_t begin, std:
 // Divides the counting into tasks for any thread: the sums do not depend on which thread did what.
 class TopologyCounter {
  public:
-  TopologyCounter(const TriangleMesh& mesh, unsigned threads)
+  TopologyCounter(const Arrays& mesh, unsigned threads)
       : mesh_(mesh),
         threads_(threads),
         ranges_(mesh, threads),
-        parts_(1 + std::min<std::size_t>(15, mesh.vertex_count() / min_vertices)) {}
+        parts_(std::max(1 + std::min<std::size_t>(15, mesh.positions.size() / min_vertices),
+                        mesh.positions.size() / max_vertices)) {}
 
   MeshReport run() {
     for_each_task(
@@ -267,8 +274,9 @@ class TopologyCounter {
   }
 
  private:
-  // Fewer vertices are not worth a part; 16 parts keep the lists of a large mesh small and are enough for its threads.
-  static constexpr std::size_t min_vertices = 32768;
+  // Fewer vertices are not worth a part, and 16 parts are enough for the threads. The list of a part of more vertices
+  // would take more than about 10 MB.
+  static constexpr std::size_t min_vertices = 32768, max_vertices = std::size_t{1} << 18U;
 
   // The counts of one thread, which its destructor adds to the total.
   class Worker {
@@ -279,7 +287,7 @@ class TopologyCounter {
     ~Worker() { counter_.add(stars_.report(), zero_areas_, components_); }
 
     void count(std::size_t task) {
-      const TriangleMesh& mesh = counter_.mesh_;
+      const Arrays& mesh = counter_.mesh_;
       if (task == 0) {  // the longest comes first
         components_ = count_components(mesh);
         return;
@@ -288,9 +296,9 @@ class TopologyCounter {
       const auto part_of = [&](std::size_t count) {
         return std::pair{part * count / parts, (part + 1) * count / parts};
       };
-      const auto [first_vertex, last_vertex] = part_of(mesh.vertex_count());
+      const auto [first_vertex, last_vertex] = part_of(mesh.positions.size());
       stars_.count(static_cast<VertexId>(first_vertex), static_cast<VertexId>(last_vertex));
-      const auto [first_triangle, last_triangle] = part_of(mesh.triangle_count());
+      const auto [first_triangle, last_triangle] = part_of(mesh.triangles.size());
       zero_areas_ += count_zero_areas(mesh, first_triangle, last_triangle);
     }
 
@@ -312,7 +320,7 @@ class TopologyCounter {
     total_.nonmanifold_vertices += stars.nonmanifold_vertices;
   }
 
-  const TriangleMesh& mesh_;
+  const Arrays& mesh_;
   const unsigned threads_;
   const VertexRanges ranges_;
   const std::size_t parts_;
@@ -322,8 +330,9 @@ class TopologyCounter {
 
 }  // namespace
 
-void count_topology(const TriangleMesh& mesh, MeshReport& report, int threads) {
-  const MeshReport counted = TopologyCounter(mesh, thread_count(threads)).run();
+void count_topology(std::span<const glm::vec3> positions, std::span<const Triangle> triangles, MeshReport& report,
+                    int threads) {
+  const MeshReport counted = TopologyCounter({positions, triangles}, thread_count(threads)).run();
   report.zero_area_triangles = counted.zero_area_triangles;
   report.repeated_triangles = counted.repeated_triangles;
   report.boundary_edges = counted.boundary_edges;
@@ -331,6 +340,10 @@ void count_topology(const TriangleMesh& mesh, MeshReport& report, int threads) {
   report.inconsistent_edges = counted.inconsistent_edges;
   report.nonmanifold_vertices = counted.nonmanifold_vertices;
   report.components = counted.components;
+}
+
+void count_topology(const TriangleMesh& mesh, MeshReport& report, int threads) {
+  count_topology(std::span(mesh.positions).first(mesh.vertex_count()), mesh.triangles, report, threads);
 }
 
 }  // namespace occlod

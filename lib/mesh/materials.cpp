@@ -85,13 +85,23 @@ class MtlParser {
       if (equal_ignoring_case(keyword, "newmtl"))
         begin_material();
       else if (equal_ignoring_case(keyword, "Kd"))
-        read_color();
+        read_base_color();
+      else if (equal_ignoring_case(keyword, "Ke"))
+        read_emission();
       else if (equal_ignoring_case(keyword, "d"))
         read_dissolve();
       else if (equal_ignoring_case(keyword, "Tr"))
         read_transparency();
+      else if (equal_ignoring_case(keyword, "Pr"))
+        current().material.surface.roughness = unit(number(cursor_.word()));
+      else if (equal_ignoring_case(keyword, "Pm"))
+        current().material.surface.metallic = unit(number(cursor_.word()));
       else if (equal_ignoring_case(keyword, "map_Kd"))
-        read_map();
+        current().color = read_map("map_Kd");
+      else if (equal_ignoring_case(keyword, "norm"))
+        current().normals = read_map("norm");
+      else if (equal_ignoring_case(keyword, "map_Ke"))
+        read_map_of_emission();
       else
         leave_out(keyword);
     }
@@ -100,9 +110,9 @@ class MtlParser {
 
  private:
   void begin_material() {
-    materials_.push_back({.material = {.name = std::string(cursor_.rest_of_line())}, .texture = {}});
+    materials_.push_back({.material = {.name = std::string(cursor_.rest_of_line())}});
     materials_.back().left_out = std::exchange(before_first_, {});
-    has_dissolve_ = false;
+    has_dissolve_ = has_emission_ = false;
   }
 
   MtlMaterial& current() {
@@ -113,22 +123,47 @@ class MtlParser {
   // Counts what stands before the first material with that one.
   void leave_out(std::string_view what) { (materials_.empty() ? before_first_ : materials_.back().left_out).add(what); }
 
-  // Reads "r [g b]"; spectral curves are not followed and CIE XYZ is not converted.
-  void read_color() {
-    Material& material = current().material;
+  void read_base_color() {
+    glm::vec4& color = current().material.base_color;
+    if (const auto read = read_color("Kd")) color = glm::vec4(*read, color.a);
+  }
+
+  void read_emission() {
+    glm::vec3& emissive = current().material.surface.emissive;
+    const auto read = read_color("Ke");
+    if (!read) return;
+    emissive = *read;
+    has_emission_ = true;
+  }
+
+  void read_map_of_emission() {
+    MtlMaterial& material = current();
+    material.emission = read_map("map_Ke");
+    if (!has_emission_ && !material.emission.texture.file.empty()) material.material.surface.emissive = glm::vec3(1.0F);
+  }
+
+  // Reads "r [g b]" of sRGB as linear light; spectral curves are not followed and CIE XYZ is not converted: both are
+  // nothing here.
+  std::optional<glm::vec3> read_color(std::string_view keyword) {
     const std::string_view line = cursor_.rest_of_line();
     for (const char* const kind : {"spectral", "xyz"}) {
-      if (line.starts_with(kind)) return leave_out(fmt::format("Kd {}", kind));
+      if (!line.starts_with(kind)) continue;
+      leave_out(fmt::format("{} {}", keyword, kind));
+      return std::nullopt;
     }
     Words words(line);
     std::array<double, 3> color{};
     int count = 0;
     for (; count < 3 && !words.rest().empty() && words.rest()[0] != '#'; ++count)
       color[static_cast<std::size_t>(count)] = number(words.take());
-    if (count == 0) cursor_.fail("Kd has no colour", "complete the line or export the materials again");
+    if (count == 0)
+      cursor_.fail(fmt::format("{} has no colour", keyword), "complete the line or export the materials again");
     if (count < 3) color[1] = color[2] = color[0];
-    for (std::size_t i = 0; i < 3; ++i)
-      material.base_color[static_cast<int>(i)] = static_cast<float>(srgb_to_linear(color[i]));
+    if (keyword == "Ke" && std::ranges::any_of(color, [](double c) { return c > 1.0; }))
+      leave_out("Ke above 1 (clamped)");
+    glm::vec3 linear;
+    for (std::size_t i = 0; i < 3; ++i) linear[static_cast<int>(i)] = static_cast<float>(srgb_to_linear(color[i]));
+    return linear;
   }
 
   // Reads "[-halo] opacity".
@@ -143,10 +178,8 @@ class MtlParser {
   }
 
   // Reads "[options] file", where the name of the file may contain blanks.
-  void read_map() {
-    MtlMaterial& material = current();
-    Texture texture;
-    MapPlacement placement;
+  MtlMap read_map(std::string_view keyword) {
+    auto [texture, placement] = MtlMap{};
     Words words(cursor_.rest_of_line());
     for (;;) {
       const auto option = std::ranges::find(map_options, words.front(), &MapOption::name);
@@ -155,14 +188,13 @@ class MtlParser {
       if (option->name == "-o") placement.offset = take_pair(option->name, words, 0.0);
       if (option->name == "-s") placement.scale = take_pair(option->name, words, 1.0);
       if (option->name == "-o" || option->name == "-s") continue;
-      if (option->name != "-clamp") leave_out(fmt::format("map_Kd {}", option->name));
+      if (option->name != "-clamp") leave_out(fmt::format("{} {}", keyword, option->name));
       if (option->name == "-clamp" && words.front() == "on") texture.wrap_s = texture.wrap_t = TextureWrap::clamp;
       words.take();
       for (int i = 1; i < option->words && is_number(words.front()); ++i) words.take();
     }
     texture.file = without_quotes(words.rest());
-    material.texture = std::move(texture);
-    material.placement = placement;
+    return {std::move(texture), placement};
   }
 
   // Reads "u [v [w]]"; w is for textures in three dimensions.
@@ -201,6 +233,7 @@ class MtlParser {
   std::vector<MtlMaterial> materials_;
   LeftOut before_first_;
   bool has_dissolve_ = false;  // true when the current material has d
+  bool has_emission_ = false;  // true when it has Ke
 };
 
 }  // namespace

@@ -46,17 +46,25 @@ void change_textures(Material& material, const Change& change) {
     if (*id != no_texture) *id = change(*id);
 }
 
-// The contents of a newmtl block, as far as Material has fields for them.
-struct MtlMaterial {
-  Material material;            // without its texture
-  Texture texture;              // its file as the text names it; empty when the material has no texture
+// What a map_ line says.
+struct MtlMap {
+  Texture texture;              // its file as the text names it; empty when there is none
   MapPlacement placement = {};  // how the texture is placed
-  LeftOut left_out = {};        // keywords and options that were not read
 };
 
-// Reads newmtl, Kd, d, Tr and map_Kd, with the options -clamp, -o and -s of map_Kd, in upper or lower case; everything
-// else is counted by its keyword. `text` is UTF-8, or has names in another encoding whose bytes are kept. Throws Error
-// for numbers that cannot be read and for values before the first newmtl. O(n).
+// The contents of a newmtl block, as far as Material has fields for them.
+struct MtlMaterial {
+  Material material;      // without its textures
+  MtlMap color = {};      // map_Kd
+  MtlMap normals = {};    // norm
+  MtlMap emission = {};   // map_Ke
+  LeftOut left_out = {};  // keywords and options that were not read
+};
+
+// Reads newmtl, Kd, d, Tr, Ke, Pr, Pm, map_Kd, map_Ke and norm, with the options -clamp, -o and -s of maps, in upper or
+// lower case; everything else is counted by its keyword. A material with map_Ke and without Ke shows that map as it is.
+// `text` is UTF-8, or has names in another encoding whose bytes are kept. Throws Error for numbers that cannot be read
+// and for values before the first newmtl. O(n).
 [[nodiscard]] std::vector<MtlMaterial> parse_mtl(std::string_view text, const FileErrors& errors);
 
 // Ids have 16 bits, and the last one means "no texture".
@@ -86,12 +94,12 @@ class MaterialTable {
     const auto found = by_name_.find(readable(bytes));
     return found == by_name_.end() ? nullptr : &soup_.materials[found->second];
   }
-  // Returns the texture with this file and these wrap modes and adds it if it is missing. There are at most as many
-  // textures as materials.
+  // Returns the texture with this file and these wrap modes and adds it if it is missing; no_texture where there are
+  // too many.
   [[nodiscard]] TextureId texture(Texture texture) {
     const auto [found, added] = textures_.try_emplace({texture.file, texture.wrap_s, texture.wrap_t},
                                                       static_cast<TextureId>(soup_.textures.size()));
-    if (added) soup_.textures.push_back(std::move(texture));
+    if (added && found->second != no_texture) soup_.textures.push_back(std::move(texture));
     return found->second;
   }
 

@@ -139,6 +139,18 @@ void ObjMaterials::read_libraries(const FileErrors& errors) {
     soup_.left_out.add("undefined materials (usemtl)", !is_defined_[m] && !soup_.materials[m].name.empty());
 }
 
+// Places a map at texture coordinates that the placement of the base colour has changed. Returns false where no offset
+// and scale do that.
+bool place(const MapPlacement& of_map, const MapPlacement& of_color, TextureMap& map) {
+  if (of_map == of_color) return true;
+  if (of_color.scale.x == 0.0 || of_color.scale.y == 0.0) return false;
+  const glm::dvec2 scale = of_map.scale / of_color.scale;
+  const glm::dvec2 offset = of_map.offset - scale * of_color.offset;
+  map.scale = {to_float(scale.x), to_float(scale.y)};
+  map.offset = {to_float(offset.x), to_float(1.0 - scale.y - offset.y)};  // TextureMap has v growing downwards
+  return true;
+}
+
 // Reads a library. The first definition of a name counts. Names of textures become relative to the folder of the OBJ
 // file.
 void ObjMaterials::read_library(const fs::path& path, const fs::path& folder) {
@@ -149,7 +161,15 @@ void ObjMaterials::read_library(const fs::path& path, const fs::path& folder) {
   if (bytes > max_library_bytes) errors.fail("", "is too large for a library of materials", "check the mtllib line");
   InputBytes input(path, errors, {});
   std::string converted;
-  for (auto& [material, texture, placement, left_out] :
+  const auto texture_of = [&](MtlMap& map) {
+    if (map.texture.file.empty()) return no_texture;
+    map.texture.file = (folder / name_in(path.parent_path(), map.texture.file)).generic_string();
+    const TextureId id = table_.texture(std::move(map.texture));
+    if (id == no_texture)
+      errors.fail("", fmt::format("has more than {} textures", no_texture), "split the mesh into parts");
+    return id;
+  };
+  for (auto& [material, color, normals, emission, left_out] :
        parse_mtl(as_utf8(input.window(input.size()), converted, errors), errors)) {
     Material* const used = table_.find(material.name);
     const std::size_t id = used == nullptr ? 0 : static_cast<std::size_t>(used - soup_.materials.data());
@@ -161,10 +181,17 @@ void ObjMaterials::read_library(const fs::path& path, const fs::path& folder) {
     soup_.left_out.add(left_out);
     material.name = used->name;  // which is UTF-8
     *used = std::move(material);
-    if (texture.file.empty()) continue;
-    texture.file = (folder / name_in(path.parent_path(), texture.file)).generic_string();
-    used->texture = table_.texture(std::move(texture));
-    placements_[id] = placement;
+    used->texture = texture_of(color);
+    if (used->texture != no_texture) placements_[id] = color.placement;
+    const auto add_map = [&](MtlMap& read, TextureMap& map, const char* keyword) {
+      if (read.texture.file.empty()) return;
+      if (place(read.placement, placements_[id], map))
+        map.texture = texture_of(read);
+      else
+        soup_.left_out.add(fmt::format("{} beside map_Kd -s 0", keyword));
+    };
+    add_map(normals, used->surface.normal_map, "norm");
+    add_map(emission, used->surface.emissive_map, "map_Ke");
   }
 }
 

@@ -63,35 +63,32 @@ void for_each_index(std::size_t count, const What& what) {
   }
 }
 
-// Sums of area vectors at selected positions; +0 and -0 are equal.
-class AreaSums {
+// A value at each of some positions; +0 and -0 are equal.
+template <class Value>
+class ValuesAtPlaces {
  public:
   void add_place(const glm::vec3& p) { places_.push_back(key_of(p)); }
-  // Call after all places have been added.
-  void begin() {
+  // Call after all places have been added; all values are then `value`.
+  void begin(const Value& value) {
     std::sort(places_.begin(), places_.end());
     places_.erase(std::unique(places_.begin(), places_.end()), places_.end());
-    sums_.assign(places_.size(), glm::dvec3(0.0));
+    values_.assign(places_.size(), value);
   }
-  void add(const glm::vec3& p, const glm::dvec3& area) {
-    if (glm::dvec3* const sum = find(p)) *sum += area;
+  // Returns the value at a place, null where none has been added.
+  [[nodiscard]] Value* find(const glm::vec3& p) {
+    const Key key = key_of(p);
+    const auto found = std::lower_bound(places_.begin(), places_.end(), key);
+    if (found == places_.end() || *found != key) return nullptr;
+    return &values_[static_cast<std::size_t>(found - places_.begin())];
   }
-  // Returns the sum at a place that has been added.
-  [[nodiscard]] const glm::dvec3& at(const glm::vec3& p) { return *find(p); }
+  [[nodiscard]] const LargeVector<Value>& values() const { return values_; }
 
  private:
   using Key = std::array<float, 3>;
   static Key key_of(const glm::vec3& p) { return {p.x + 0.0F, p.y + 0.0F, p.z + 0.0F}; }
 
-  glm::dvec3* find(const glm::vec3& p) {
-    const Key key = key_of(p);
-    const auto found = std::lower_bound(places_.begin(), places_.end(), key);
-    if (found == places_.end() || *found != key) return nullptr;
-    return &sums_[static_cast<std::size_t>(found - places_.begin())];
-  }
-
   LargeVector<Key> places_;
-  LargeVector<glm::dvec3> sums_;
+  LargeVector<Value> values_;
 };
 
 ScratchSoup parse(const std::filesystem::path& path, const FileErrors& errors,
@@ -111,15 +108,14 @@ bool is_streamable(const std::filesystem::path& path) {
 StreamedMesh::StreamedMesh(const std::filesystem::path& path, const std::function<void(double)>& progress) {
   const FileErrors errors(path);
   soup_ = parse(path, errors, progress);
-  MeshReport report;
-  triangles_ = soup_.take_triangles(report, errors);
-  left_out_ = std::move(report.left_out);
+  triangles_ = soup_.take_triangles(report_, errors);
   is_used_.resize(soup_.positions.size());
   for_each_index(triangles_.size(), [&](std::size_t t) {
     for (int k = 0; k < 3; ++k) is_used_[triangles_[t][k]] = true;
   });
   check_distances(errors);
   drop_repeated_corners(errors);
+  count_unused_vertices();
   repair_texture_coordinates();
   repair_normals();
   is_used_ = {};
@@ -170,32 +166,59 @@ void StreamedMesh::drop_repeated_corners(const FileErrors& errors) {
   if (!materials.empty()) materials.resize(kept);
 }
 
+// Counts as clean() does: of the vertices at a position that only dropped triangles use, one is unreferenced and the
+// others have been welded to it.
+void StreamedMesh::count_unused_vertices() {
+  for_each_index(static_cast<std::size_t>(report_.vertices_read), [&](std::size_t v) {
+    const glm::vec3& p = soup_.positions[v];
+    const bool is_finite = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    if (!is_used_[v]) ++(is_finite ? report_.unreferenced_vertices : report_.nonfinite_vertices);
+  });
+  if (triangles_.size() == report_.triangles_read) return;
+  LargeVector<bool> is_kept(soup_.positions.size());
+  for_each_index(triangles_.size(), [&](std::size_t t) {
+    for (int k = 0; k < 3; ++k) is_kept[triangles_[t][k]] = true;
+  });
+  ValuesAtPlaces<std::uint8_t> lost;
+  for_each_index(is_kept.size(), [&](std::size_t v) {
+    if (is_used_[v] && !is_kept[v]) lost.add_place(soup_.positions[v]);
+  });
+  lost.begin(1);
+  for_each_index(is_kept.size(), [&](std::size_t v) {
+    if (!is_kept[v]) return;
+    if (std::uint8_t* const is_lost = lost.find(soup_.positions[v])) *is_lost = 0;
+  });
+  report_.unreferenced_vertices +=
+      static_cast<std::uint64_t>(std::count(lost.values().begin(), lost.values().end(), std::uint8_t{1}));
+}
+
 void StreamedMesh::repair_texture_coordinates() {
   for_each_index(soup_.texture_coordinates.size(), [&](std::size_t v) {
     glm::vec2& at = soup_.texture_coordinates[v];
     if (std::isfinite(at.x) && std::isfinite(at.y)) return;
     at = glm::vec2(0.0F);
-    left_out_.add(not_finite_coordinates, is_used_[v] ? 1 : 0);
+    report_.left_out.add(not_finite_coordinates, is_used_[v] ? 1 : 0);
   });
 }
 
 void StreamedMesh::repair_normals() {
   LargeVector<VertexId> unusable;
-  AreaSums sums;
+  ValuesAtPlaces<glm::dvec3> sums;  // of area vectors
   for_each_index(soup_.normals.size(), [&](std::size_t v) {
     if (!is_used_[v] || normalize_in_place(soup_.normals[v])) return;
     unusable.push_back(static_cast<VertexId>(v));
     sums.add_place(soup_.positions[v]);
   });
   if (unusable.empty()) return;
-  sums.begin();
+  sums.begin(glm::dvec3(0.0));
   for_each_index(triangles_.size(), [&](std::size_t i) {
     const Triangle& t = triangles_[i];
     const glm::dvec3 area = area_vector(soup_.positions[t.x], soup_.positions[t.y], soup_.positions[t.z]);
-    for (int k = 0; k < 3; ++k) sums.add(soup_.positions[t[k]], area);
+    for (int k = 0; k < 3; ++k)
+      if (glm::dvec3* const sum = sums.find(soup_.positions[t[k]])) *sum += area;
   });
   for_each_index(unusable.size(), [&](std::size_t i) {
-    soup_.normals[unusable[i]] = normal_along(sums.at(soup_.positions[unusable[i]]));
+    soup_.normals[unusable[i]] = normal_along(*sums.find(soup_.positions[unusable[i]]));
   });
 }
 

@@ -69,21 +69,22 @@ class StreamedMesh {
   // Gives all triangles with three different corners in the order of the file, in pieces of at most `most` triangles.
   // Vertices with equal positions are not welded yet. Each piece has all materials and textures.
   void visit(std::size_t most, const std::function<void(const TriangleMesh& piece)>& take) const;
-  // Returns the counts that read_mesh() reports.
-  [[nodiscard]] const LeftOut& left_out() const { return left_out_; }
+  // Returns the counts of reading that read_mesh() reports, and its unreferenced and nonfinite vertices.
+  [[nodiscard]] const MeshReport& report() const { return report_; }
   // Returns the origin of all pieces.
   [[nodiscard]] const glm::dvec3& origin() const { return soup_.origin; }
 
  private:
   void check_distances(const FileErrors& errors) const;
   void drop_repeated_corners(const FileErrors& errors);
+  void count_unused_vertices();
   void repair_texture_coordinates();
   void repair_normals();
   [[nodiscard]] bool has_repeated_corner(const Triangle& t) const;
 
   ScratchSoup soup_;  // without its polygons
   LargeVector<Triangle> triangles_;
-  LeftOut left_out_;
+  MeshReport report_;
   LargeVector<bool> is_used_;  // by vertex; true when a triangle of the file uses it
 };
 

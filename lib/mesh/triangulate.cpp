@@ -1,5 +1,5 @@
 // Ear clipping; Eberly, "Triangulation by Ear Clipping", 2002. A grid finds the corners near an ear. Why no library:
-// docs/decisions/002-own_mesh_readers.md.
+// docs/internals/decisions.md#2-own-mesh-readers.
 #include "mesh/triangulate.h"
 
 #include <algorithm>

@@ -79,6 +79,9 @@ std::string encoded(float linear) {
   return fmt::format("{}", value);
 }
 
+// True when MTL has words for how a map is placed, and how strong it is.
+bool can_write(const TextureMap& map) { return map.rotation == 0.0F && map.strength == 1.0F; }
+
 void write_mtl(const TriangleMesh& mesh, const std::vector<std::string>& names, const MeshOutput& output) {
   const std::vector<std::string> files = texture_files(mesh, output);
   AtomicFile file(fs::path(output.path).replace_extension(".mtl"));
@@ -88,10 +91,25 @@ void write_mtl(const TriangleMesh& mesh, const std::vector<std::string>& names, 
     const glm::vec4& color = material.base_color;
     out.text("newmtl {}\nKd {} {} {}\n", names[m], encoded(color.r), encoded(color.g), encoded(color.b));
     if (color.a != 1.0F) out.text("d {}\n", color.a);
-    if (material.texture == no_texture) continue;
-    const Texture& texture = mesh.textures[material.texture];
-    const bool clamps = texture.wrap_s == TextureWrap::clamp && texture.wrap_t == TextureWrap::clamp;
-    out.text("map_Kd {}{}\n", clamps ? "-clamp on " : "", name_in_text(files[material.texture]));
+    const auto write_map = [&](const char* keyword, const TextureMap& map) {
+      if (map.texture == no_texture) return;
+      out.text("{} ", keyword);
+      const Texture& texture = mesh.textures[map.texture];
+      if (texture.wrap_s == TextureWrap::clamp && texture.wrap_t == TextureWrap::clamp) out.text("-clamp on ");
+      const glm::dvec2 scale(map.scale), offset(map.offset.x, 1.0 - scale.y - static_cast<double>(map.offset.y));
+      if (scale != glm::dvec2(1.0)) out.text("-s {} {} ", scale.x, scale.y);
+      if (offset != glm::dvec2(0.0)) out.text("-o {} {} ", offset.x, offset.y);
+      out.text("{}\n", name_in_text(files[map.texture]));
+    };
+    write_map("map_Kd", {.texture = material.texture});
+    const Surface &surface = material.surface, plain;
+    if (surface.roughness != plain.roughness) out.text("Pr {}\n", surface.roughness);
+    if (surface.metallic != plain.metallic) out.text("Pm {}\n", surface.metallic);
+    const glm::vec3& light = surface.emissive;
+    if (light != plain.emissive || surface.emissive_map.texture != no_texture)
+      out.text("Ke {} {} {}\n", encoded(light.r), encoded(light.g), encoded(light.b));
+    if (can_write(surface.emissive_map)) write_map("map_Ke", surface.emissive_map);
+    if (can_write(surface.normal_map)) write_map("norm", surface.normal_map);
   }
   out.flush();
   file.commit();
@@ -219,19 +237,34 @@ void note_missing(const std::string& file, const MeshOutput& output) {
 
 namespace {
 
-// Appends a note when materials have more than OBJ and PLY can say. How metallic and rough they are is not noted:
-// every material of glTF says so.
-void note_surfaces(const TriangleMesh& mesh, const MeshOutput& output) {
-  const auto count = std::ranges::count_if(mesh.materials, [](const Material& material) {
-    Surface plain;
-    plain.metallic = material.surface.metallic;
-    plain.roughness = material.surface.roughness;
-    return material.surface != plain;
-  });
+// True when a library of OBJ has all of a material.
+bool fits_mtl(const Material& material) {
+  const Surface& surface = material.surface;
+  Surface written;
+  written.metallic = surface.metallic;
+  written.roughness = surface.roughness;
+  written.emissive = surface.emissive;
+  if (can_write(surface.emissive_map)) written.emissive_map = surface.emissive_map;
+  if (can_write(surface.normal_map)) written.normal_map = surface.normal_map;
+  return surface == written;
+}
+
+// True when the texture of a material is all that it has. How metallic and rough it is does not count: every material
+// of glTF says so.
+bool is_texture(const Material& material) {
+  Surface plain;
+  plain.metallic = material.surface.metallic;
+  plain.roughness = material.surface.roughness;
+  return material.surface == plain && material.base_color == Material{}.base_color;
+}
+
+// Appends a note when materials have more than the format can say.
+void note_materials(const TriangleMesh& mesh, const MeshOutput& output, bool (*fits)(const Material&),
+                    const char* what) {
+  const auto count = mesh.materials.size() - static_cast<std::size_t>(std::ranges::count_if(mesh.materials, fits));
   if (count > 0)
-    output.notes.push_back(
-        fmt::format("{} has base colours and their textures only: {} of {} materials have more (use .glb)",
-                    output.path.extension().string(), count, mesh.materials.size()));
+    output.notes.push_back(fmt::format("{} has {} only: {} of {} materials have more (use .glb)",
+                                       output.path.extension().string(), what, count, mesh.materials.size()));
 }
 
 // Returns the positions of the vertices, without those of extra wedges.
@@ -417,11 +450,11 @@ std::vector<std::string> write_mesh(const std::filesystem::path& path, const Tri
   ChunkedWriter out(file);
   switch (format) {
     case MeshFormat::ply:
-      note_surfaces(mesh, output);
+      note_materials(mesh, output, is_texture, "textures of base colours");
       write_ply(out, mesh, output);
       break;
     case MeshFormat::obj:
-      note_surfaces(mesh, output);
+      note_materials(mesh, output, fits_mtl, "what .mtl has words for");
       write_obj(out, mesh, output);
       break;
     case MeshFormat::off:

@@ -239,6 +239,17 @@ std::size_t count_unexplained_pixels(const View& view, const DepthBuffer& expect
   return unexplained;
 }
 
+std::size_t count_lost_pixels(const View& view, const DepthBuffer& full, const DepthBuffer& found, double allowed_px) {
+  assert(full.nearness.size() == found.nearness.size() && allowed_px >= 0.0);
+  const int radius = allowed_px > 0.0 ? whole_pixels(allowed_px + 1.0, full) : 0;
+  const std::vector<float> farthest = extreme_around(full, radius, std::less<>());
+  const std::vector<float> nearest = extreme_around(found, radius, std::greater<>());
+  std::size_t lost = 0;
+  for (std::size_t i = 0; i < farthest.size(); ++i)
+    lost += is_within(view, farthest[i], nearest[i], 0.0, radius) ? 0U : 1U;
+  return lost;
+}
+
 std::size_t count_crack_pixels(const View& view, const DepthBuffer& full, const DepthBuffer& found, double allowed_px) {
   assert(full.nearness.size() == found.nearness.size() && allowed_px >= 0.0);
   const double none = std::numeric_limits<double>::infinity();

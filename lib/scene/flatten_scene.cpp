@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "mesh/materials.h"
+#include "mesh/mesh_report.h"
 #include "mesh/origin.h"
 #include "mesh/stream_mesh.h"
 #include "occlod/base.h"
@@ -244,7 +245,12 @@ using Progress = std::function<void(const std::string& what, double done)>;
 CleanMesh read_finest(const std::string& file) {
   const OlodFile olod = read_olod(file);
   olod.hierarchy.require_all();
-  return {cut_mesh(olod.hierarchy, full_cut(olod.hierarchy)), olod.report};
+  CleanMesh finest{cut_mesh(olod.hierarchy, full_cut(olod.hierarchy)), olod.report};
+  if (finest.report.vertices_read == 0) {  // whoever wrote the file told nothing of its mesh
+    finest.report.vertices_read = finest.mesh.vertex_count();
+    finest.report.polygons_read = finest.report.triangles_read = finest.mesh.triangle_count();
+  }
+  return finest;
 }
 
 // Reads the meshes of objects; reads the same mesh only once.
@@ -310,7 +316,7 @@ class SceneStreamer {
       visit(i, [&](const TriangleMesh& piece, const TriangleMesh& look) {
         add(piece, i, materials_.first_of(look, name));
       });
-      add_left_out(i);
+      sink_.add_counts(counts_of(i));
     }
   }
 
@@ -332,8 +338,12 @@ class SceneStreamer {
     const std::string name = reader_.name(object);
     if (const auto* mesh = std::get_if<GeneratedMesh>(&scene_.objects[object].source)) {
       const TriangleMesh plain;
-      stream_generated(mesh->generator, mesh->values,
-                       [&](const TriangleMesh& piece, std::size_t) { take(piece, plain); });
+      generated_ = {};
+      stream_generated(mesh->generator, mesh->values, [&](const TriangleMesh& piece, std::size_t repeated) {
+        generated_.vertices_read += piece.vertex_count() - repeated;
+        generated_.polygons_read = generated_.triangles_read += piece.triangle_count();
+        take(piece, plain);
+      });
       return;
     }
     if (is_streamable_file(name)) {
@@ -348,11 +358,10 @@ class SceneStreamer {
       take(cutter.cut(begin, std::min(mesh.triangle_count(), begin + piece_triangles)), mesh);
   }
 
-  // Counts what was left out of an object that visit() has just read.
-  void add_left_out(std::size_t object) {
-    if (std::holds_alternative<GeneratedMesh>(scene_.objects[object].source)) return;
-    const bool is_streamed = is_streamable_file(reader_.name(object));
-    sink_.add_left_out(is_streamed ? streamed_->left_out() : reader_.read(object).report.left_out);
+  // Returns what was counted when visit() read an object, which it has just done.
+  const MeshReport& counts_of(std::size_t object) {
+    if (std::holds_alternative<GeneratedMesh>(scene_.objects[object].source)) return generated_;
+    return is_streamable_file(reader_.name(object)) ? streamed_->report() : reader_.read(object).report;
   }
 
   glm::dvec3 origin_of_first() {
@@ -404,6 +413,7 @@ class SceneStreamer {
   std::optional<TextureOrigin> origin_;
   Origin whole_;
   std::optional<UpAxis> up_;                // of all so far
+  MeshReport generated_;                    // of the most recent generated mesh
   std::unique_ptr<StreamedMesh> streamed_;  // the most recent file
   std::string streamed_name_;
 };
@@ -413,15 +423,15 @@ class SceneStreamer {
 CleanMesh flatten_scene(const SceneDescription& scene, const std::filesystem::path& folder, const Progress& progress) {
   MeshReader reader(scene, folder, progress);
   std::vector<PlacedMesh> placed;
-  LeftOut left_out;
+  MeshReport read;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const CleanMesh& object = reader.read(i);
     placed.push_back(
         {&object.mesh, positions_to_world(scene.objects[i].object_to_world, object.mesh.origin), reader.name(i)});
-    left_out.add(object.report.left_out);
+    add_counts_of_reading(read, object.report);
   }
   CleanMesh result = clean(join(placed, folder, scene.name), MeshReport{}, scene.name);
-  result.report.left_out = left_out;
+  result.report = report_of(read, result);
   return result;
 }
 

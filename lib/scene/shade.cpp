@@ -257,4 +257,18 @@ Image shade(const ItemBuffer& items, std::span<const DrawObject> objects, const 
       });
 }
 
+Image draw_picture(std::span<const RefineObject> objects, const Refinement& refinement, const View& view,
+                   const ShadeOptions& options) {
+  assert(objects.size() == refinement.objects.size());
+  std::vector<DrawObject> drawn;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const Hierarchy& hierarchy = *objects[i].hierarchy;
+    drawn.push_back(
+        {hierarchy.positions(), hierarchy.data().colors, refinement.objects[i].triangles, objects[i].object_to_world});
+  }
+  ItemBuffer items;
+  draw_items(items, drawn, view);
+  return shade(items, drawn, view, options);
+}
+
 }  // namespace occlod

@@ -21,7 +21,7 @@ void check_welded(const TriangleMesh& mesh);
 // Sets guaranteed_error of all collapses of `sequence`, which simplify() made of `mesh`. The two-sided distance of any
 // cut from the input is at most the largest guaranteed error of the collapses that it has made. Errors larger than the
 // input's triangles are measured against the input; smaller ones stay accumulated, as simplify() left them. The mesh is
-// scaled during the call. docs/guide/error_metric.md has the proofs. O(n log n).
+// scaled during the call. docs/internals/error_metric.md has the proofs. O(n log n).
 void measure_errors(TriangleMesh& mesh, CollapseSequence& sequence);
 
 // Converts a collapse sequence to the arrays of a hierarchy.

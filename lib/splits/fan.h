@@ -36,7 +36,7 @@ struct VertexQuadric {
   [[nodiscard]] float inverse_weight() const { return weight > 0.0F ? 1.0F / weight : 0.0F; }
   // Collapses are ordered by this factor times their mean square error: in powers of the weight, half-way between the
   // mean and the sum of squares. The mean spends triangles on small features, the sum loses them; see
-  // docs/decisions/010-between_mean_and_sum_of_squares.md.
+  // docs/internals/decisions.md#10-between-mean-and-sum-of-squares.
   [[nodiscard]] float order() const { return std::sqrt(weight); }
   // Returns the cost of merging the vertex into the one at position + x.
   [[nodiscard]] float cost(const glm::vec3& x) const {

@@ -14,7 +14,7 @@ namespace occlod {
 namespace {
 
 // Weight of the planes that hold seams, relative to those of a boundary; and the mean squared width, in squared edges,
-// from which a chart's seams are held with full weight. See docs/decisions/037-wedges_beside_positions.md.
+// from which a chart's seams are held with full weight. See docs/internals/decisions.md#37-wedges-beside-positions.
 constexpr float seam_weight = 0.3F, min_held = 4.0F / 3.0F;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 

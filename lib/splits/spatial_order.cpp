@@ -77,10 +77,9 @@ void sort_spatially(const PositionView& positions, const MortonCurve& curve, std
   for_each_id(vertices.size(), threads, [&](std::uint32_t i) { vertices[i] = keyed[i].item; });
 }
 
-WedgeOrder spatial_order_of(const TriangleMesh& mesh, unsigned threads) {
+WedgeOrder spatial_order_of(const TriangleMesh& mesh, std::vector<VertexId> vertices, unsigned threads) {
   WedgeOrder order;
-  order.old_id.resize(mesh.vertex_count());
-  std::iota(order.old_id.begin(), order.old_id.end(), 0U);
+  order.old_id = std::move(vertices);
   sort_spatially(mesh.positions, {bounding_box(mesh.positions), glm::dvec3(0.0), 10}, order.old_id, threads);
   order.new_id.resize(order.old_id.size());
   for_each_id(order.old_id.size(), threads, [&](VertexId i) { order.new_id[order.old_id[i]] = i; });
@@ -88,9 +87,26 @@ WedgeOrder spatial_order_of(const TriangleMesh& mesh, unsigned threads) {
   return order;
 }
 
+std::vector<VertexId> in_order_of_use(std::span<const Triangle> triangles, std::size_t count) {
+  std::vector<VertexId> vertices;
+  vertices.reserve(count);
+  std::vector<bool> is_listed(count);
+  const auto list = [&](VertexId v) {
+    if (is_listed[v]) return;
+    is_listed[v] = true;
+    vertices.push_back(v);
+  };
+  for (const Triangle& t : triangles)
+    for (int k = 0; k < 3; ++k) list(t[k]);
+  for (VertexId v = 0; vertices.size() < count; ++v) list(v);
+  return vertices;
+}
+
 TriangleMesh in_spatial_order(const TriangleMesh& mesh, unsigned threads) {
   TriangleMesh result;
-  const auto [order, new_id] = spatial_order_of(mesh, threads);
+  std::vector<VertexId> vertices(mesh.vertex_count());
+  std::iota(vertices.begin(), vertices.end(), 0U);
+  const auto [order, new_id] = spatial_order_of(mesh, std::move(vertices), threads);
   result.positions = permuted(mesh.positions, order, threads);
   result.normals = permuted(mesh.normals, order, threads);
   result.colors = permuted(mesh.colors, order, threads);

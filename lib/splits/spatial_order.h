@@ -36,8 +36,12 @@ struct WedgeOrder {
   std::vector<WedgeId> old_id, new_id;
 };
 
-// Returns the order that in_spatial_order() uses.
-[[nodiscard]] WedgeOrder spatial_order_of(const TriangleMesh& mesh, unsigned threads);
+// Returns the order along the curve of in_spatial_order(), where vertices in one cell keep the order of `vertices`,
+// which has all of them; in_spatial_order() has them ascending.
+[[nodiscard]] WedgeOrder spatial_order_of(const TriangleMesh& mesh, std::vector<VertexId> vertices, unsigned threads);
+
+// Returns all vertices below `count` in the order in which triangles first use them, then those that none uses. O(n).
+[[nodiscard]] std::vector<VertexId> in_order_of_use(std::span<const Triangle> triangles, std::size_t count);
 
 struct MortonCurve {
   Box box;  // around all positions

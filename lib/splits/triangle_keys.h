@@ -11,6 +11,7 @@
 #include <glm/vec4.hpp>
 #include <span>
 
+#include "mesh/mesh_writers.h"
 #include "occlod/mesh.h"
 
 namespace occlod {
@@ -41,10 +42,18 @@ struct WedgeAttributes {
   std::span<const glm::vec3> positions, normals;
   std::span<const glm::u8vec4> colors;
   std::span<const glm::vec2> texture_coordinates;
+  TextureOrigin texture_origin = TextureOrigin::bottom_left;
+  int turns_of_v = 0;  // how often v becomes 1 - v before it is compared
 };
 
 // Removes from `restored` the attributes that `given` does not have. Returns false where `restored` lacks some of them.
-[[nodiscard]] inline bool keep_those_of(const WedgeAttributes& given, WedgeAttributes& restored) {
+// Where the texture origins differ, one of the two was once written with 1 - v, which rounds: whichever that was, 1 - v
+// of the one and 1 - (1 - v) of the other are the same, as that difference is exact where 1 - v was rounded.
+[[nodiscard]] inline bool keep_those_of(WedgeAttributes& given, WedgeAttributes& restored) {
+  if (given.texture_origin != restored.texture_origin) {
+    given.turns_of_v = 1;
+    restored.turns_of_v = 2;
+  }
   const auto keep = [](const auto& wanted, auto& found) {
     if (wanted.empty()) found = {};
     return wanted.empty() || !found.empty();
@@ -73,8 +82,11 @@ struct CornerKey {
     for (int i = 0; i < 3 && !of.normals.empty(); ++i)
       corner[static_cast<std::size_t>(3 + i)] = bits_of(of.normals[w][i]);
     if (!of.colors.empty()) std::memcpy(&corner[6], &of.colors[w], sizeof(std::uint32_t));
-    for (int i = 0; i < 2 && !of.texture_coordinates.empty(); ++i)
-      corner[static_cast<std::size_t>(7 + i)] = bits_of(of.texture_coordinates[w][i]);
+    if (of.texture_coordinates.empty()) continue;
+    glm::vec2 at = of.texture_coordinates[w];
+    for (int i = 0; i < of.turns_of_v; ++i) at.y = from_other_origin(at.y);
+    corner[7] = bits_of(at.x);
+    corner[8] = bits_of(at.y);
   }
   std::rotate(key.corners.begin(), std::min_element(key.corners.begin(), key.corners.end()), key.corners.end());
   return key;

@@ -38,8 +38,8 @@ bool restores_positions(const Hierarchy& hierarchy, const TriangleMesh& mesh) {
 // Compares only the attributes that the mesh has.
 bool restores_corners(const Hierarchy& hierarchy, const TriangleMesh& mesh) {
   const HierarchyView& view = hierarchy.data();
-  const WedgeAttributes input{mesh.positions, mesh.normals, mesh.colors, mesh.texture_coordinates};
-  WedgeAttributes restored{view.positions, view.normals, view.colors, view.texture_coordinates};
+  WedgeAttributes input{mesh.positions, mesh.normals, mesh.colors, mesh.texture_coordinates, mesh.texture_origin};
+  WedgeAttributes restored{view.positions, view.normals, view.colors, view.texture_coordinates, view.texture_origin};
   if (!keep_those_of(input, restored)) return false;
   std::vector<CornerKey> of_mesh, of_hierarchy;
   of_mesh.reserve(mesh.triangle_count());
@@ -47,7 +47,7 @@ bool restores_corners(const Hierarchy& hierarchy, const TriangleMesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
     of_mesh.push_back(corners_of(mesh.wedge_triangles()[t], input, mesh.material_of(t)));
   for (const Triangle& t : wedge_triangles_of(hierarchy, full_cut(hierarchy)))
-    of_hierarchy.push_back(corners_of(t, restored, hierarchy.material_of(t.x)));
+    of_hierarchy.push_back(corners_of(t, restored, mesh.materials.empty() ? 0 : hierarchy.material_of(t.x)));
   return are_same(std::move(of_hierarchy), std::move(of_mesh));
 }
 

@@ -67,7 +67,8 @@ DeviceCosts measured_costs(PythonDevice& device) {
 }
 
 void bind_costs(nb::module_& m) {
-  nb::class_<DeviceCosts>(m, "DeviceCosts", "What the commands of a device cost, ns (docs/guide/hlod.md). Of a device.")
+  nb::class_<DeviceCosts>(m, "DeviceCosts",
+                          "What the commands of a device cost, ns (docs/internals/hlod.md). Of a device.")
       .def_ro("name", &DeviceCosts::name, "Of the device, or empty.")
       .def_ro("draw_ns", &DeviceCosts::draw_ns, "Set-up of a draw.")
       .def_ro("triangle_ns", &DeviceCosts::triangle_ns)

@@ -3,6 +3,7 @@
 
 #include <nanobind/operators.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -37,6 +38,18 @@ void bind_view(nb::module_& m) {
               "World units from the lower to the upper border of the image; None: in perspective.")
       .def("fitting_distance", &fitting_distance, "radius"_a,
            "The distance from which the camera sees all of a sphere of this radius in the middle of its image.")
+      .def_static(
+          "looking_at",
+          [](const nb::object& what, const Camera& camera) {
+            const auto [low, high] = nb::cast<std::pair<glm::vec3, glm::vec3>>(
+                nb::hasattr(what, "box") ? nb::object(what.attr("box")) : what);
+            return looking_at(Box{low, high}, camera);
+          },
+          "what"_a, "camera"_a = standard,
+          nb::sig("def looking_at(what: Hierarchy | Hlod | tuple[collections.abc.Sequence[float], "
+                  "collections.abc.Sequence[float]], camera: Camera = ...) -> Camera"),
+          "A camera that sees all of a hierarchy, of an HLOD or between two corners, from ahead, a little from above\n"
+          "and from the right, with the image of `camera`.")
       .def("orthographic", &orthographic, "The same camera with parallel rays, showing as much at its target.")
       .def(nb::self == nb::self);
 

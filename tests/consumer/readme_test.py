@@ -45,6 +45,7 @@ def check_program(folder, environment):
     triangles = int(re.fullmatch(r"(\d+) triangles to draw\n", said)[1])
     # A split adds two triangles at most, so a budget that the mesh could exceed is missed by a few.
     assert BUDGET * 9 // 10 < triangles <= BUDGET, said
+    assert (folder / "refined.png").read_bytes().startswith(b"\x89PNG"), "no picture"
 
 
 def main():

@@ -91,6 +91,25 @@ TEST(Camera, FitsASphereIntoTheSmallerSide) {
   EXPECT_NEAR(fitting_distance(camera, 3.0), 1.02 * 3.0 * std::sqrt(5.0), 1e-12);
 }
 
+TEST(Camera, LooksAtAllOfABox) {
+  const Box box{{100.0F, -3.0F, 7.0F}, {104.0F, 2.0F, 8.0F}};
+  for (const glm::ivec2 size : {glm::ivec2(640, 480), glm::ivec2(200, 900)}) {
+    const Camera camera = looking_at(box, {.width = size.x, .height = size.y});
+    EXPECT_EQ(camera.width, size.x);
+    const View view(camera);
+    double most = 0.0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec4 at(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                          corner & 4 ? box.max.z : box.min.z, 1.0);
+      const glm::dvec4 clip = view.world_to_clip() * at;
+      for (int k = 0; k < 3; ++k) EXPECT_LT(std::abs(clip[k]), clip.w);
+      most = std::max({most, std::abs(clip.x) / clip.w, std::abs(clip.y) / clip.w});
+    }
+    EXPECT_GT(most, 0.5) << "the box is a speck";
+  }
+  EXPECT_NO_THROW(View(looking_at(Box{}))) << "a point";
+}
+
 TEST(View, RefusesCamerasThatMakeNoImage) {
   const auto refused = [](auto change) {
     Camera camera = good_camera();

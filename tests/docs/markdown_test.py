@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every Markdown file: links that lead somewhere, lines of at most 100 columns, pages that an index lists."""
+"""Every Markdown file: links that lead somewhere, lines of at most 100 columns, pages that an index lists, commands of benchmarks that exist."""
 import pathlib
 import re
 import sys
@@ -8,6 +8,8 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MAX_COLUMNS = 100
 MAX_BENCHMARK_LINES = 150
+MAX_README_LINES = 120
+MAX_WORDS = 40_000  # over all documents
 SOURCES = ("bench", "cmake", "python", "examples", "lib", "scripts", "tests", "tools", "viewer", "packaging")
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")
@@ -49,8 +51,9 @@ class Markdown(unittest.TestCase):
                     continue
                 file, _, anchor = link.partition("#")
                 target = (path.parent / file).resolve() if file else path
-                is_heading = not anchor or (target.suffix == ".md" and anchor in anchors(target.read_text(encoding="utf-8")))
-                if not target.exists() or not is_heading:
+                is_heading = target.exists() and (
+                    not anchor or (target.suffix == ".md" and anchor in anchors(target.read_text(encoding="utf-8"))))
+                if not is_heading:
                     broken.append(f"{path.relative_to(ROOT)}: {link}")
         self.assertEqual(broken, [])
 
@@ -86,6 +89,21 @@ class Markdown(unittest.TestCase):
     def test_benchmark_pages_are_short(self):
         lengths = {path.name: len(path.read_text(encoding="utf-8").split("\n")) - 1 for path in (ROOT / "docs" / "benchmarks").glob("*.md")}
         self.assertEqual({name: length for name, length in lengths.items() if length > MAX_BENCHMARK_LINES}, {})
+
+    def test_benchmark_pages_name_commands_that_exist(self):
+        build_files = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "bench").rglob("CMakeLists.txt"))
+        missing = []
+        for path in sorted((ROOT / "docs" / "benchmarks").glob("*.md")):
+            text = path.read_text(encoding="utf-8")
+            missing += [f"{path.name}: {script}" for script in re.findall(r"\bscripts/\w+\.(?:sh|py)\b", text) if not (ROOT / script).exists()]
+            missing += [f"{path.name}: {program}" for program in re.findall(r"`(bench_\w+)", text)
+                        if not re.search(rf"\({program}\s+[\w./]+\.cpp", build_files)]
+        self.assertEqual(missing, [])
+
+    def test_documents_stay_short(self):
+        self.assertLessEqual(len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()), MAX_README_LINES)
+        words = sum(len(path.read_text(encoding="utf-8").split()) for path in markdown_files())
+        self.assertLessEqual(words, MAX_WORDS)
 
 
 if __name__ == "__main__":

@@ -23,10 +23,16 @@ void read(std::string_view bytes) {
   std::string converted;
   for (const MtlMaterial& read : parse_mtl(as_utf8(bytes, converted, errors), errors)) {
     for (int k = 0; k < 4; ++k) expect(read.material.base_color[k] >= 0.0F && read.material.base_color[k] <= 1.0F);
-    expect(read.material.texture == no_texture);
-    expect(read.material.name.find('\n') == std::string::npos && read.texture.file.find('\n') == std::string::npos);
-    for (int k = 0; k < 2; ++k)
-      expect(std::isfinite(read.placement.scale[k]) && std::isfinite(read.placement.offset[k]));
+    const Surface& surface = read.material.surface;
+    for (int k = 0; k < 3; ++k) expect(surface.emissive[k] >= 0.0F && surface.emissive[k] <= 1.0F);
+    for (const float value : {surface.metallic, surface.roughness}) expect(value >= 0.0F && value <= 1.0F);
+    for (const TextureId id : read.material.textures()) expect(id == no_texture);
+    expect(read.material.name.find('\n') == std::string::npos);
+    for (const MtlMap* map : {&read.color, &read.normals, &read.emission}) {
+      expect(map->texture.file.find('\n') == std::string::npos);
+      for (int k = 0; k < 2; ++k)
+        expect(std::isfinite(map->placement.scale[k]) && std::isfinite(map->placement.offset[k]));
+    }
   }
 }
 

@@ -1,5 +1,5 @@
 // Every backend on the same random bounds in random views of generated scenes: against rays, and against each other.
-// What rays can say is in oracle/ray_oracle.h; what each backend may differ by is in docs/guide/occlusion.md.
+// What rays can say is in oracle/ray_oracle.h; what each backend may differ by is in docs/internals/occlusion.md.
 #include <algorithm>
 #include <map>
 
@@ -112,8 +112,8 @@ TEST_P(RandomVerdicts, MostOfWhatRaysFindHiddenIsFound) {
   }
 }
 
-// How much two backends that the machine has may differ, by docs/guide/occlusion.md. Where they do, the one that hides
-// is not contradicted by rays.
+// How much two backends that the machine has may differ, by docs/internals/occlusion.md. Where they do, the one that
+// hides is not contradicted by rays.
 TEST_P(RandomVerdicts, BackendsAgreeAsFarAsTheyPromise) {
   for (const Platform platform : {Platform::egl, Platform::osmesa}) {
     SCOPED_TRACE(platform_label(platform));

@@ -77,7 +77,8 @@ class Journal : public testing::Test {
   std::string build(const TriangleMesh& mesh, HlodBuildOptions options, int threads = 0) {
     options.journal = path_;
     options.threads = threads;
-    return test::bytes_of(build_hlod(mesh, options, taken_));
+    MeshReport report;
+    return test::bytes_of(build_hlod(mesh, options, report, taken_));
   }
   [[nodiscard]] std::size_t taken() const { return taken_; }
 

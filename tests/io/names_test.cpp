@@ -230,7 +230,9 @@ TEST_F(Names, KeywordsOfObjAreCarried) {
   EXPECT_EQ(carried("a.obj", v + "vn 0 0.6 0.8\nf 1//1 2//1 3//1\n", "obj").normals.size(), 3U);
   EXPECT_EQ(carried("a.obj", v + "vt 0 1 0\nf 1/1 2/1 3/1\n", "obj").texture_coordinates.size(), 3U);
   EXPECT_EQ(carried("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n", "obj").colors.size(), 3U);
-  static_cast<void>(folder_.write("a.mtl", "newmtl m\nKd 0.5 0.25 1\nd 0.5\nmap_Kd -clamp on a.png\n"));
+  static_cast<void>(folder_.write("a.mtl",
+                                  "newmtl m\nKd 0.5 0.25 1\nd 0.5\nKe 0 1 0.5\nPr 0.5\nPm 0.25\n"
+                                  "map_Kd -clamp on a.png\nmap_Ke -s 2 2 -o 0.5 e.png\nnorm -clamp on n.png\n"));
   const TriangleMesh mesh = carried("a.obj", "mtllib a.mtl\nusemtl m\n" + v + "f 1 2 3\n", "obj");
   EXPECT_EQ(read_mesh(folder_.path() / "again.obj").mesh.materials, mesh.materials);
 }
@@ -266,30 +268,49 @@ TEST_F(Names, KeywordsOfMtlAreCounted) {
     static_cast<void>(folder_.write("a.mtl", "newmtl m\n" + line + "\n"));
     expect_counted("a.obj", std::string("mtllib a.mtl\nusemtl m\n") + triangle, name, 1);
   };
-  for (const char* const keyword : {"Ka",           "Ks",
-                                    "Ke",           "Km",
-                                    "Kt",           "Tf",
-                                    "Ns",           "Ni",
-                                    "illum",        "sharpness",
-                                    "Pr",           "Pm",
-                                    "Ps",           "Pc",
-                                    "Pcr",          "aniso",
-                                    "anisor",       "map_Ka",
-                                    "map_Ks",       "map_Ke",
-                                    "map_Ns",       "map_Ni",
-                                    "map_d",        "map_Tr",
-                                    "map_Bump",     "map_bump",
-                                    "bump",         "disp",
-                                    "map_disp",     "decal",
-                                    "map_decal",    "refl",
-                                    "map_refl",     "map_aat",
-                                    "map_Pr",       "map_Pm",
-                                    "map_Ps",       "map_Pc",
-                                    "map_Pcr",      "map_aniso",
-                                    "norm",         "map_norm",
-                                    "map_Kn",       "map_RMA",
-                                    "map_ORM",      "map_occlusion",
-                                    "map_emissive", "map_opacity",
+  for (const char* const keyword : {"Ka",
+                                    "Ks",
+                                    "Km",
+                                    "Kt",
+                                    "Tf",
+                                    "Ns",
+                                    "Ni",
+                                    "illum",
+                                    "sharpness",
+                                    "Ps",
+                                    "Pc",
+                                    "Pcr",
+                                    "aniso",
+                                    "anisor",
+                                    "map_Ka",
+                                    "map_Ks",
+                                    "map_Ns",
+                                    "map_Ni",
+                                    "map_d",
+                                    "map_Tr",
+                                    "map_Bump",
+                                    "map_bump",
+                                    "bump",
+                                    "disp",
+                                    "map_disp",
+                                    "decal",
+                                    "map_decal",
+                                    "refl",
+                                    "map_refl",
+                                    "map_aat",
+                                    "map_Pr",
+                                    "map_Pm",
+                                    "map_Ps",
+                                    "map_Pc",
+                                    "map_Pcr",
+                                    "map_aniso",
+                                    "map_norm",
+                                    "map_Kn",
+                                    "map_RMA",
+                                    "map_ORM",
+                                    "map_occlusion",
+                                    "map_emissive",
+                                    "map_opacity",
                                     "xyzzy"})
     counted(fmt::format("{} 1", keyword), keyword);
   for (const char* const option : {"-blendu on", "-blendv on", "-boost 1", "-bm 1", "-cc on", "-imfchan r", "-mm 0 1",
@@ -298,6 +319,10 @@ TEST_F(Names, KeywordsOfMtlAreCounted) {
   counted("Kd spectral a.rfl", "Kd spectral");
   counted("Kd xyz 0 0 0", "Kd xyz");
   counted("d -halo 1", "d -halo");
+  counted("Ke 2", "Ke above 1 (clamped)");
+  counted("norm -bm 1 n.png", "norm -bm");
+  counted("map_Ke -t 1 e.png", "map_Ke -t");
+  counted("norm -s 2 n.png\nmap_Kd -s 0 a.png", "norm beside map_Kd -s 0");
   counted("newmtl m", "materials defined again (newmtl)");
   counted("newmtl other", "unused materials (newmtl)");
 }

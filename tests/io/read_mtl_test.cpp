@@ -87,12 +87,12 @@ TEST_F(ReadMtl, KeywordsMayBeInAnyCase) {
 
 TEST_F(ReadMtl, CountsWhatItDoesNotReadByKeyword) {
   const LeftOut counts = with_library(
-                             "Ns 1\nnewmtl m\nmap_d a.png\nnorm n.png\nmap_Bump -bm 1 b.png\nmap_Pr r.png\n"
+                             "Ns 1\nnewmtl m\nmap_d a.png\nmap_Pm n.png\nmap_Bump -bm 1 b.png\nmap_Pr r.png\n"
                              "map_Kd -mm 0 1 -clamp on -texres 5 c.png\nKd spectral a.rfl\nd -halo 0.5\nmap_d d.png\n")
                              .report.left_out;
   LeftOut expected;
-  for (const char* const name :
-       {"Ns", "map_d", "map_d", "norm", "map_Bump", "map_Pr", "map_Kd -mm", "map_Kd -texres", "Kd spectral", "d -halo"})
+  for (const char* const name : {"Ns", "map_d", "map_d", "map_Pm", "map_Bump", "map_Pr", "map_Kd -mm", "map_Kd -texres",
+                                 "Kd spectral", "d -halo"})
     expected.add(name);
   EXPECT_EQ(counts, expected);
 }
@@ -148,6 +148,43 @@ TEST_F(ReadMtl, TakesEveryFormOfColourAndOpacity) {
   EXPECT_EQ(color("d -halo 0.5"), glm::vec4(1, 1, 1, 0.5F));
   EXPECT_EQ(color("Tr 0.25"), glm::vec4(1, 1, 1, 0.75F));
   EXPECT_EQ(color("d 1.0\nTr 1.0"), glm::vec4(1, 1, 1, 1));  // as 3ds Max writes what is opaque
+}
+
+// Maps are placed relative to the base colour, whose scale and offset the coordinates have: where they are c = 2u - 1
+// and d = 4v, a map at 8u and v + 0.5 is at 4c + 4 and 0.25d + 0.5, which is 0.25d + 0.25 where
+// both grow downwards.
+TEST_F(ReadMtl, ReadsLightNormalsAndGloss) {
+  const auto material = [&](const std::string& lines) {
+    return with_library("newmtl m\n" + lines).mesh.materials.at(0);
+  };
+  const CleanMesh result = with_library("newmtl m\nPr 0.25\nPm 2\nKe 1 0 0.5\nmap_Ke -clamp on e.png\nNORM n.png\n");
+  const Surface& surface = result.mesh.materials.at(0).surface;
+  EXPECT_EQ(surface.roughness, 0.25F);
+  EXPECT_EQ(surface.metallic, 1.0F);
+  EXPECT_EQ(surface.emissive.r, 1.0F);
+  EXPECT_FLOAT_EQ(surface.emissive.b, 0.21404114F);  // as for Kd
+  EXPECT_EQ(result.mesh.materials[0].texture, no_texture);
+  EXPECT_EQ(result.mesh.textures.at(surface.normal_map.texture), texture("n.png"));
+  EXPECT_EQ(result.mesh.textures.at(surface.emissive_map.texture), texture("e.png", TextureWrap::clamp));
+  EXPECT_EQ(surface.normal_map, TextureMap{.texture = surface.normal_map.texture});
+  EXPECT_EQ(result.report.left_out, LeftOut{});
+
+  EXPECT_EQ(material("map_Ke e.png\n").surface.emissive, glm::vec3(1.0F));
+  EXPECT_EQ(material("map_Ke\n").surface, Surface{});
+  EXPECT_EQ(material("Ke 0 0 0\nmap_Ke e.png\n").surface.emissive, glm::vec3(0.0F));
+  EXPECT_EQ(material("map_Ke e.png\nKe 0 0 1\n").surface.emissive, glm::vec3(0.0F, 0.0F, 1.0F));
+  LeftOut bright;
+  bright.add("Ke above 1 (clamped)");
+  EXPECT_EQ(with_library("newmtl m\nKe 0 0 7\n").report.left_out, bright);
+
+  const std::string color = "map_Kd -s 2 4 -o -1 0 a.png\n";
+  EXPECT_EQ(material(color + "norm -s 2 4 -o -1 a.png\n").surface.normal_map, TextureMap{.texture = 0});
+  const TextureMap placed = material(color + "norm -s 8 1 -o 0 0.5 a.png\n").surface.normal_map;
+  EXPECT_EQ(placed.scale, glm::vec2(4.0F, 0.25F));
+  EXPECT_EQ(placed.offset, glm::vec2(4.0F, 0.25F));
+  LeftOut flat;
+  flat.add("norm beside map_Kd -s 0");
+  EXPECT_EQ(with_library("newmtl m\nmap_Kd -s 0 1 a.png\nnorm a.png\n").report.left_out, flat);
 }
 
 TEST_F(ReadMtl, TakesEveryNameOfATexture) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -158,6 +159,45 @@ TEST(WriteWedges, ImagesOfTheMeshAreKept) {
     EXPECT_TRUE(std::ranges::any_of(back.textures, [&](const Texture& texture) { return texture.file == file; }));
     EXPECT_EQ(test::bytes_of(folder.path() / file), png);
   }
+}
+
+// MTL has words for some of what glTF says of a surface; one note counts the materials of which more is lost.
+TEST(WriteWedges, ObjHasMapsOfLightAndNormals) {
+  const test::TestFolder folder;
+  TriangleMesh mesh = painted_torus(false);
+  mesh.textures.resize(3);
+  mesh.textures[2].file = "light.png";
+  Surface& surface = mesh.materials[0].surface;
+  surface.metallic = 0.3F;
+  surface.roughness = 0.7F;
+  surface.emissive = {0.1F, 0.0F, 1.0F};
+  surface.emissive_map.texture = 2;
+  surface.normal_map = {.texture = 0, .offset = {0.3F, -0.7F}, .scale = {3.0F, 0.1F}};
+  mesh.materials[1].surface.normal_map.texture = 2;
+  EXPECT_EQ(write_mesh(folder.path() / "a.obj", mesh).size(), 3U);  // images that are not there
+  const CleanMesh back = read_mesh(folder.path() / "a.obj");
+  EXPECT_EQ(back.report.left_out, LeftOut{});
+  for (std::size_t m = 0; m < 2; ++m) {
+    Material expected = mesh.materials[m], read = back.mesh.materials.at(m);
+    const std::array<TextureId, 5> before = expected.textures(), after = read.textures();
+    for (std::size_t k = 0; k < 5; ++k) {
+      ASSERT_EQ(after.at(k) == no_texture, before.at(k) == no_texture);
+      if (after.at(k) != no_texture) {
+        EXPECT_EQ(back.mesh.textures.at(after.at(k)).file, mesh.textures.at(before.at(k)).file);
+      }
+    }
+    expected.texture = read.texture = 0;
+    expected.surface.emissive_map.texture = read.surface.emissive_map.texture = 0;
+    expected.surface.normal_map.texture = read.surface.normal_map.texture = 0;
+    EXPECT_EQ(read, expected);
+  }
+  surface.normal_map.rotation = 1.0F;
+  mesh.materials[1].surface.double_sided = true;
+  EXPECT_EQ(write_mesh(folder.path() / "a.obj", mesh).at(0),
+            ".obj has what .mtl has words for only: 2 of 2 materials have more (use .glb)");
+  EXPECT_EQ(test::bytes_of(folder.path() / "a.mtl").find("norm -s"), std::string::npos);
+  EXPECT_EQ(write_mesh(folder.path() / "a.ply", mesh).at(0),
+            ".ply has textures of base colours only: 2 of 2 materials have more (use .glb)");
 }
 
 // Names that a reader would not find again are replaced; the others stay.

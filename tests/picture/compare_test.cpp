@@ -153,6 +153,26 @@ TEST(CountUnexplainedPixels, BackgroundIsInfinitelyFar) {
   EXPECT_EQ(count_unexplained_pixels(front_view(), hole, hole, 0.0), 0U);
 }
 
+TEST(CountLostPixels, AllButARimOfAWideSurface) {
+  DepthBuffer hole = flat(10);
+  for (std::size_t y = 20; y < 30; ++y)
+    std::fill_n(hole.nearness.begin() + static_cast<std::ptrdiff_t>(100 * y + 20), 10, 0.0F);
+  EXPECT_EQ(count_lost_pixels(front_view(), flat(10), hole, 0.0), 100U);
+  EXPECT_EQ(count_lost_pixels(front_view(), flat(10), hole, 2.0), 4U * 4U);  // r = 3 on each side
+  EXPECT_EQ(count_lost_pixels(front_view(), flat(10), hole, 4.0), 0U);       // not wider than twice r = 5
+  EXPECT_EQ(count_lost_pixels(front_view(), hole, flat(10), 0.0), 0U);       // what is there too much is not lost
+}
+
+TEST(CountLostPixels, DepthsAndSilhouettesMayMove) {
+  // f = 40 px: at 2 px r = 3, and 3 px at depth 10 are 0.75 units.
+  EXPECT_EQ(count_lost_pixels(front_view(), flat(10), flat(10.7), 2.0), 0U);
+  EXPECT_EQ(count_lost_pixels(front_view(), flat(10), flat(10.8), 2.0), pixels);
+  EXPECT_EQ(count_lost_pixels(front_view(), flat(10), flat(10.001), 0.0), pixels);
+  // A strip of the near half is missing: 6 columns are erased from both sides; of 9, three are left.
+  EXPECT_EQ(count_lost_pixels(front_view(), step(56), step(50), 2.0), 0U);
+  EXPECT_EQ(count_lost_pixels(front_view(), step(59), step(50), 2.0), 3U * 80U);
+}
+
 TEST(LargestMotion, OfAShiftedPlaneIsTheShift) {
   // As in ComparePictures: 0.5 units at depth 10 are 2 px. The other way round they are seen from depth 10.5: the
   // larger of both counts.

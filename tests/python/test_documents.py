@@ -71,8 +71,7 @@ class Documents(unittest.TestCase):
 
     def test_readme(self):
         files, said = self.run_blocks("README.md")
-        self.assertEqual(files, ["city.json", "refined.ply", "refined.png", "statue.olod", "statue.ply"])
-        self.assertRegex(said, r"^\d+ of \d+ triangles are visible\n$")
+        self.assertEqual(files, ["city.json", "refined.ply", "refined.png", "statue.ply"])
 
     def test_guide(self):
         files, _ = self.run_blocks("docs/guide/python.md")
@@ -91,6 +90,8 @@ class Examples(unittest.TestCase):
         self.assertGreaterEqual(len(examples), 3)
         for example in examples:
             with self.subTest(example.name), tempfile.TemporaryDirectory() as folder:
+                if example.stem == "opengl":
+                    self.require_opengl()
                 subprocess.run([sys.executable, str(example), folder], check=True, stdout=subprocess.PIPE)
                 made = pathlib.Path(folder, f"{example.stem}.png").read_bytes()
                 shown = ROOT / f"docs/images/python_{example.stem}.png"
@@ -103,6 +104,12 @@ class Examples(unittest.TestCase):
                 self.assertEqual(pair[0].shape, pair[1].shape)
                 different = (abs(pair[0] - pair[1]).max(axis=2) > 32).mean()
                 self.assertLess(different, 0.1, f"look at it; OCCLOD_UPDATE_GOLDEN=1 writes {shown.name} anew")
+
+    def require_opengl(self):
+        try:
+            occlod.Device.gl()
+        except occlod.Error as error:
+            self.skipTest(str(error))
 
 
 class Docstrings(unittest.TestCase):

@@ -195,14 +195,26 @@ class Looks(GltfCase):
             self.assert_same(tile, expected, material)
 
     def test_formats_that_have_less(self):
-        """OBJ and PLY have base colours only, which one note says."""
+        """What OBJ and PLY cannot say of materials one note counts."""
         self.model.material(alphaMode="MASK")
         self.model.material(pbrMetallicRoughness={"metallicFactor": 0.5})
         self.round_trip()
-        for name in ("a.obj", "a.ply"):
+        for name, told in (("a.obj", ".obj has what .mtl has words for only: 1 of 2 "), ("a.ply", ".ply has textures of base colours only: 1 of 2 ")):
             done = self.run_tool("cut", "a.olod", "--error", 0, "-o", name)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (0, 1), done.stderr)
-            self.assertIn("base colours and their textures only: 1 of 2 materials have more", done.stderr)
+            self.assertIn(told, done.stderr)
+
+    def test_obj_has_what_mtl_says(self):
+        """Emission, normals and gloss come out of an OBJ file as they went into it."""
+        image = lambda: {"index": self.model.texture(PNG + bytes(len(self.model.json.get("images", []))))}
+        self.model.material(name="m", pbrMetallicRoughness={"baseColorTexture": image(), "metallicFactor": 0.25, "roughnessFactor": 0.75}, normalTexture=image(),
+                            emissiveTexture=dict(image(), extensions={"KHR_texture_transform": {"offset": [0.5, 0.25], "scale": [4, 8]}}), emissiveFactor=[0.5, 0.25, 0.75])
+        self.model.use("KHR_texture_transform")
+        expected = self.look(self.round_trip())
+        self.succeed("cut", "a.olod", "--error", 0, "-o", "a.obj")
+        self.assertEqual(self.left_out("a.obj"), {})
+        self.succeed("cut", "a.olod", "--error", 0, "-o", "b.glb")
+        self.assert_same(self.look(Read(self.folder / "b.glb")), expected, "")
 
     def test_opaque_ignores_alpha(self):
         self.model.material(pbrMetallicRoughness={"baseColorFactor": [1, 0, 0, 0]})

@@ -129,6 +129,30 @@ class Hlod(ToolTest):
         self.assertIn("valid", self.succeed("hlod", "validate", "96.ohlod", "--input", "scene.json", "--leaves-only"))
         self.assertEqual(sorted(p.name for p in self.folder.iterdir() if p.suffix not in (".json", ".ply")), ["1024.ohlod", "96.ohlod", "free.ohlod"])
 
+    def test_builds_in_memory_and_streamed_are_equal(self):
+        """The report too, which nothing in the file of a piece shows: an open border, an edge of three triangles, a
+        repeated triangle, a flat one, one whose corners are at one place, quads, equal positions, and vertices that no
+        triangle uses, or only a triangle that goes. Vertices are not in the order in which triangles use them."""
+        vertices = [(9, 9, 9)] + [(x, y, 0.001 * x * y) for y in range(7, -1, -1) for x in range(8)] + [(3, 3, 5), (0, 0, 0), (0, 0, 0), (20, 20, 20), (20, 20, 20)]
+        quads = [[2 + x + 8 * y + d for d in (0, 8, 9, 1)] for y in range(7) for x in range(7)]
+        bad = [[2, 3, 66], [66, 2, 3], [2, 3, 4], [67, 68, 66], [69, 70, 66]]
+        text = "".join("v {} {} {}\n".format(*v) for v in vertices) + "".join("f " + " ".join(map(str, face)) + "\n" for face in quads + bad)
+        (self.folder / "bad.obj").write_text(text)
+        self.write_scene('{"objects": [{"mesh": "bad.obj"}, {"mesh": "bad.obj", "position": [7, 0, 0]}, {"mesh": "planet.ply", "position": [30, 0, 0]},'
+                         ' {"generator": "city", "options": {"blocks": 1}}], "cameras": {"default": {"eye": [0, 0, 4], "target": [0, 0, 0]}}}')
+        for mesh in ("bad.obj", "scene.json"):
+            for more in ([], ["--quantise", 8]):
+                reports = [self.build(*more, *memory, inputs=[mesh], output=output)["report"]
+                           for memory, output in (([], "whole.ohlod"), (["--memory", "64M"], "streamed.ohlod"))]
+                self.assertEqual(reports[0], reports[1])
+                self.assertTrue(self.same_bytes("whole.ohlod", "streamed.ohlod"), (mesh, more))
+        report = self.build(inputs=["bad.obj"], output="whole.ohlod")["report"]
+        self.assertEqual((report["vertices_read"], report["polygons_read"], report["polygons_triangulated"], report["triangles_read"]), (70, 54, 49, 103))
+        # The first vertex, and one of those that only the last triangle uses.
+        self.assertEqual((report["unreferenced_vertices"], report["repeated_index_triangles"]), (2, 2))
+        for key in ("zero_area_triangles", "repeated_triangles", "nonmanifold_edges", "boundary_edges"):
+            self.assertGreater(report[key], 0, key)
+
     def test_a_file_larger_than_the_limit_is_streamed(self):
         """Read as a whole, it takes 130 MiB."""
         self.json_of("generate", "rough-planet", "level=9", "-o", "large.obj")
@@ -234,6 +258,7 @@ class Hlod(ToolTest):
         self.assertIn("missing.ply: no such file", self.failure_of("hlod", "build", "missing.ply", "-o", "a.ohlod"))
         self.assertIn("is not an .ohlod file; make one with 'occlod hlod build'", self.failure_of("hlod", "info", "planet.ply"))
         self.assertIn("use 'occlod hlod info'", self.failure_of("info", "planet.ohlod"))
+        self.assertIn("use 'occlod cells info'", self.failure_of("info", "street.vlod"))
         whole = (self.folder / "planet.ohlod").read_bytes()
         (self.folder / "cut.ohlod").write_bytes(whole[: len(whole) // 2])
         for command in ("info", "validate"):

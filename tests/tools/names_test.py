@@ -121,7 +121,8 @@ class Names(ToolTest):
                 done = subprocess.run([OCCLOD, *map(str, arguments)], cwd=self.folder, env=self.environment, capture_output=True, text=True, timeout=20)
                 self.assertNotEqual(done.returncode, 0)
                 self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
-        self.assertIn("p.olod: is not a regular file; save it to a file first", self.failure_of("info", "p.olod"))
+        for arguments in (["info", "p.olod"], ["hlod", "info", "p.ohlod"], ["cells", "info", "p.vlod"]):
+            self.assertIn(f"{arguments[-1]}: is not a regular file; save it to a file first", self.failure_of(*arguments))
 
 
 if __name__ == "__main__":

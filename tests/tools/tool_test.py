@@ -110,6 +110,36 @@ class GenerateBuildValidate(ToolTest):
         self.assertEqual(done.returncode, 1)
         self.assertEqual(len(json.loads(done.stdout)["violations"]), 1)
 
+    def write_painted_grid(self):
+        """A bent square of 6 x 6 cells with three materials, each with texture coordinates of its own, colours and hard normals, all with odd digits."""
+        points = [(i, j) for i in range(7) for j in range(7)]
+        lines = ["mtllib a.mtl"] + [f"v {i / 7} {j / 7} {(i * j) % 5 / 31} {i * 36 / 255:.4f} {j * 36 / 255:.4f} 0.2" for i, j in points]
+        lines += [f"vt {i / 7 + material / 3} {j / 7}" for material in range(3) for i, j in points]
+        lines += [f"vn {(i % 3 - 1) * x} {(j % 3 - 1) * x} {math.sqrt(1 - ((i % 3 - 1) ** 2 + (j % 3 - 1) ** 2) * x * x)}" for x in (0.1, 0.3) for i, j in points]
+        for i in range(6):
+            lines += [f"usemtl m{i // 2}"]
+            for j in range(6):
+                corners = [7 * x + y + 1 for x, y in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
+                lines += ["f " + " ".join(f"{v}/{v + 49 * (i // 2)}/{v + 49 * (j // 3)}" for v in (corners[0], corners[k], corners[k + 1])) for k in (1, 2)]
+        (self.folder / "a.obj").write_text("\n".join(lines))
+        (self.folder / "a.mtl").write_text("".join(f"newmtl m{i}\nKd 0.{i + 3} 0.5 1\n" for i in range(3)))
+
+    def test_what_is_cut_in_full_is_the_mesh(self):
+        """Whatever the format, and whatever attributes it has: GLB turns v over, PLY has no materials, OBJ and PLY name wedges in ways of their own."""
+        self.write_painted_grid()
+        self.assertEqual(self.json_of("build", "a.obj", "-o", "a.olod")["report"]["seam_vertices"], 19)  # three lines of 7 which cross twice
+        self.succeed("hlod", "build", "a.obj", "-o", "a.ohlod", "--node-triangles", 32)
+        for name in ("b.glb", "b.obj", "b.ply"):
+            with self.subTest(name=name):
+                self.succeed("cut", "a.olod", "--error", 0, "-o", name)
+                self.succeed("validate", "a.olod", "--input", name)
+                self.succeed("hlod", "validate", "a.ohlod", "--input", name)
+                self.succeed("build", name, "-o", "b.olod")
+                if name != "b.ply":
+                    self.succeed("validate", "b.olod", "--input", "a.obj")
+                self.succeed("cut", "b.olod", "--error", 0, "-o", f"c{name[1:]}")
+                self.succeed("validate", "b.olod", "--input", f"c{name[1:]}")
+
     def test_text_output(self):
         self.make_hierarchy()
         for command in (["info", "planet.olod"], ["validate", "planet.olod"], ["build", "planet.ply", "-o", "a.olod"]):

@@ -17,7 +17,8 @@ namespace {
 class Controls : public WindowTest {};
 
 // Those that are done over the view, by the mouse or by keys that need no table.
-const std::set<std::string> by_mouse_and_keys = {"orbit", "look", "pan", "zoom", "move", "look_at", "drag", "pick"};
+const std::set<std::string> by_mouse_and_keys = {"orbit",   "look", "pan",  "zoom",   "move",
+                                                 "look_at", "drag", "pick", "measure"};
 
 TEST_F(Controls, EverySettingAndCommandHasOne) {
   start(planet_scene());  // large enough for "cancel" to be seen while it is built

@@ -49,7 +49,9 @@ class Hlod : public WindowTest {
 TEST_F(Hlod, EveryControlShowsItsValue) {
   set("device", "software");
   act({{"do", "picture_size"}, {"width", 120}, {"height", 90}});
-  act({{"do", "window_size"}, {"width", 700}, {"height", 1040}});  // the whole panel
+  act({{"do", "window_size"}, {"width", 700}, {"height", 1040}});  // the whole sidebar
+  set("scale", 0.6);
+  application_->panels().unfold = true;
   set("graph", false);
   for (const Setting& setting : hlod_settings()) {
     const json before = setting.get(session().state().settings);

@@ -87,6 +87,18 @@ TEST_F(Input, RightDragAndShiftPan) {
   EXPECT_NE(camera().target.x, panned.target.x);
 }
 
+TEST_F(Input, ClicksMeasureWhenThatIsOn) {
+  session_.state().settings.measure = true;
+  for (const float x : {380.0F, 420.0F}) {
+    ImGui::GetIO().MouseDown[0] = true;
+    frame(x, 300.0F);
+    ImGui::GetIO().MouseDown[0] = false;
+    frame(x, 300.0F);
+  }
+  EXPECT_EQ(session_.state().measured.size(), 2U);
+  EXPECT_FALSE(session_.state().pick);
+}
+
 TEST_F(Input, ClickPicksAndDoubleClickGoesThere) {
   drag(0, 1.0F, 0.0F);  // less than a drag
   EXPECT_TRUE(session_.state().pick);

@@ -181,6 +181,32 @@ class Script(unittest.TestCase):
         self.assertEqual([shown[frame["frame"]]["hash"] for frame in frames], [frame["hash"] for frame in frames])
 
     @unittest.skipUnless("OCCLOD" in os.environ, "the command line is not built")
+    def test_difference_and_export_are_those_of_the_command_line(self):
+        """Beside the full mesh there are the figures of --reference, and what is exported is what --mesh writes."""
+        meshes = [self.path / "shown.ply", self.path / "rendered.ply"]
+        scene = dict(PLANET, cameras={"default": {"eye": [0, 1.3, 0.3], "target": [0, 1, -0.8], "width": 160, "height": 120}})
+        (self.path / "small.json").write_text(json.dumps(scene))
+        done = subprocess.run([os.environ["OCCLOD"], "render", str(self.path / "small.json"), "--budget", "1500", "--reference", "--json",
+                               "--mesh", str(meshes[1])], env=self.environment, capture_output=True, text=True, check=True, timeout=300)
+        expected = json.loads(done.stdout)
+        result = self.run_script([
+            {"do": "open", "file": str(self.path / "small.json")},
+            {"do": "picture_size", "width": 160, "height": 120},
+            {"do": "set", "setting": "frame_to_frame", "value": False},
+            {"do": "set", "setting": "budget", "value": 1500},
+            {"do": "set", "setting": "compare", "value": True},
+            {"do": "set", "setting": "beside", "value": "difference"},
+            {"do": "export_mesh", "file": str(meshes[0])},
+            {"do": "report"}], "--debug-gl")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        shown = json.loads(result.stdout)
+        self.assertEqual(meshes[0].read_bytes(), meshes[1].read_bytes())
+        for name in ("depth_rms_px", "silhouette_mismatch"):
+            self.assertAlmostEqual(shown[name], expected[name], delta=1e-6 * max(expected[name], 1), msg=name)
+        self.assertGreater(shown["depth_rms_px"], 0)
+        self.assertLess(shown["max_quadric_error_px"], shown["max_error_px"])
+
+    @unittest.skipUnless("OCCLOD" in os.environ, "the command line is not built")
     def test_hlod_path_is_that_of_the_command_line(self):
         """The same nodes and queries in each frame, by strategies that wait and those that predict."""
         hlod, scene = self.path / "city.ohlod", self.path / "city.json"

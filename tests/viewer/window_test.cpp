@@ -10,6 +10,7 @@
 #include "occlod/base.h"
 #include "occlod/mesh_file.h"
 #include "occlod/visibility.h"
+#include "palette.h"
 #include "viewer/golden.h"
 #include "viewer/window_support.h"
 
@@ -102,6 +103,110 @@ TEST_F(Window, SmoothShadingStopsAtCreases) {
       EXPECT_EQ(difference(screenshot(), flat), "") << name;
       set("crease_angle", 40);
     }
+  }
+}
+
+// The right half of a square is clipped: there is the background, on the left the square is as it was, in every way of
+// drawing it.
+TEST_F(Window, TheClippingPlaneCutsOffOneSide) {
+  TriangleMesh square;
+  square.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  square.triangles = {{0, 1, 2}, {0, 2, 3}};
+  write_mesh(folder_.path("square.ply"), square);
+  start();
+  act({{"do", "close_all"}});
+  act({{"do", "picture_size"}, {"width", 80}, {"height", 60}});
+  const Image nothing = screenshot();
+  act({{"do", "open"}, {"file", folder_.path("square.ply").string()}});
+  act({{"do", "camera"}, {"eye", {0, 0, 3}}, {"target", {0, 0, 0}}, {"orthographic_height", 3}});
+  for (const bool wire : {false, true}) {
+    set("wire", wire);
+    const Image whole = screenshot();
+    set("clip_axis", "x");
+    const Image half = screenshot();
+    set("clip_axis", "none");
+    const auto left = static_cast<std::size_t>(80 * 20 + 30), right = left + 20;
+    EXPECT_EQ(half.pixels[left], whole.pixels[left]);
+    EXPECT_NE(half.pixels[left], nothing.pixels[left]);
+    EXPECT_EQ(half.pixels[right], nothing.pixels[right]);
+    EXPECT_NE(whole.pixels[right], nothing.pixels[right]);
+  }
+}
+
+// Both ends and the line between them are drawn over the mesh, and the panels say how long it is.
+TEST_F(Window, ADistanceIsDrawn) {
+  start();
+  act({{"do", "go_to"}, {"name", "far"}});
+  const Image before = screenshot();
+  act({{"do", "measure"}, {"x", 0.45}, {"y", 0.5}});
+  act({{"do", "measure"}, {"x", 0.55}, {"y", 0.5}});
+  const Image with_line = screenshot();
+  std::size_t changed = 0;
+  for (std::size_t i = 0; i < before.pixels.size(); ++i) changed += with_line.pixels[i] != before.pixels[i] ? 1U : 0U;
+  EXPECT_GT(changed, 60U);  // a tenth of the width at least
+}
+
+// The left half is the same whatever is beside it, and each of these is a picture of its own. Where depths differ by
+// little all of the planet has one colour, and round it there is none.
+TEST_F(Window, TheFullMeshAndTheDifferenceAreDrawn) {
+  start();
+  act({{"do", "picture_size"}, {"width", 160}, {"height", 120}});
+  act({{"do", "go_to"}, {"name", "far"}});
+  set("frame_to_frame", false);
+  set("budget", 1500);
+  set("compare", true);
+  std::vector<Image> pictures;
+  for (const char* beside : {"other", "full", "difference"}) {
+    set("beside", beside);
+    pictures.push_back(screenshot());
+    ASSERT_EQ(pictures.back().width, 320);
+    std::size_t changed[2] = {0, 0};
+    for (int y = 0; y < 120; ++y)
+      for (int x = 0; x < 320; ++x) {
+        const auto i = static_cast<std::size_t>(y * 320 + x);
+        changed[x / 160] +=
+            pictures.back().pixels[i] != pictures[pictures.size() > 1 ? pictures.size() - 2 : 0].pixels[i];
+      }
+    EXPECT_EQ(changed[0], 0U) << beside;
+    EXPECT_TRUE(pictures.size() == 1 || changed[1] > 1000) << beside;
+  }
+  const auto at = [&](int x, int y) { return glm::u8vec3(pictures[2].pixels[static_cast<std::size_t>(y * 320 + x)]); };
+  EXPECT_EQ(at(161, 1), glm::u8vec3(no_surface_color));
+  EXPECT_EQ(at(318, 118), glm::u8vec3(no_surface_color));
+  EXPECT_NE(at(240, 60), glm::u8vec3(no_surface_color));
+}
+
+// The light theme and each plot are pictures of their own.
+TEST_F(Window, ThemesAndPlots) {
+  start();
+  const auto window = [&] {
+    act({{"do", "screenshot"}, {"file", folder_.path("window.png").string()}, {"panels", true}});
+    return read_png(folder_.path("window.png"));
+  };
+  const auto mean_of_sidebar = [](const Image& image) {
+    double sum = 0.0;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < 300; ++x) sum += image.pixels[static_cast<std::size_t>(y * image.width + x)].x;
+    return sum / (300.0 * image.height);
+  };
+  EXPECT_LT(mean_of_sidebar(window()), 80.0);
+  set("theme", "light");
+  EXPECT_GT(mean_of_sidebar(window()), 180.0);
+  set("theme", "dark");
+  std::vector<Image> pictures;
+  for (const char* plot : {"times", "triangles", "visible", "error"}) {
+    set("plot", plot);
+    const Image picture = window();
+    for (const Image& other : pictures) {
+      std::size_t changed = 0;  // in the graph
+      for (int y = picture.height - 110; y < picture.height - 10; ++y)
+        for (int x = picture.width - 200; x < picture.width - 12; ++x) {
+          const auto i = static_cast<std::size_t>(y * picture.width + x);
+          changed += picture.pixels[i] != other.pixels[i] ? 1U : 0U;
+        }
+      EXPECT_GT(changed, 50U) << plot;
+    }
+    pictures.push_back(picture);
   }
 }
 

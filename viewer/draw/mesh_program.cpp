@@ -17,10 +17,12 @@ uniform mat4 object_to_clip;
 uniform mat4 object_to_eye;
 uniform mat3 normal_to_eye;
 uniform float crease_limit;
+uniform vec4 clip_plane;
 out VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; vec2 coordinate; flat int layer; } vertex;
 void main() {
   gl_Position = object_to_clip * vec4(position, 1.0);
   vertex.position = vec3(object_to_eye * vec4(position, 1.0));
+  gl_ClipDistance[0] = dot(clip_plane, vec4(vertex.position, 1.0));
   // On a crease a vertex has no normal: its corners take that of their triangle.
   vec3 in_eye_space = normal_to_eye * normal;
   bool has_normal = crease <= crease_limit && dot(in_eye_space, in_eye_space) > 0.0;
@@ -41,6 +43,7 @@ out vec3 barycentric;
 void main() {
   for (int i = 0; i < 3; ++i) {
     gl_Position = gl_in[i].gl_Position;
+    gl_ClipDistance[0] = gl_in[i].gl_ClipDistance[0];
     gl_PrimitiveID = gl_PrimitiveIDIn;
     vertex.position = corners[i].position;
     vertex.normal = corners[i].normal;
@@ -156,7 +159,8 @@ MeshProgram::MeshProgram(const gl::Functions& gl, bool wire)
       flat_(program_.uniform("flat_shading")),
       dim_(program_.uniform("dim_back_faces")),
       orthographic_(program_.uniform("orthographic")),
-      from_below_(program_.uniform("texture_from_below")) {
+      from_below_(program_.uniform("texture_from_below")),
+      clip_plane_(program_.uniform("clip_plane")) {
   // Samplers of different kinds may not share a unit.
   gl.UseProgram(program_.id());
   gl.Uniform1i(program_.uniform("layers"), 1);
@@ -173,6 +177,7 @@ void MeshProgram::use(const Uniforms& uniforms) const {
   gl_->Uniform1i(dim_, uniforms.dim_back_faces ? 1 : 0);
   gl_->Uniform1i(orthographic_, uniforms.orthographic ? 1 : 0);
   gl_->Uniform1i(from_below_, uniforms.texture_from_below ? 1 : 0);
+  gl_->Uniform4fv(clip_plane_, 1, glm::value_ptr(uniforms.clip_plane));
 }
 
 BackgroundProgram::BackgroundProgram(const gl::Functions& gl)

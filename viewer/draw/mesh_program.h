@@ -3,6 +3,7 @@
 
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
+#include <glm/vec4.hpp>
 
 #include "gl/objects.h"
 
@@ -26,6 +27,7 @@ class MeshProgram {
     bool dim_back_faces = false;
     bool orthographic = false;
     bool texture_from_below = true;  // texture coordinates grow upwards
+    glm::vec4 clip_plane{0.0F};      // in eye space; works while GL_CLIP_DISTANCE0 is enabled
   };
   // Colours of triangles are texels of texture unit 0: triangle i at (i % texels_a_row, i / texels_a_row). Layers are
   // those of the array texture of unit 1.
@@ -36,7 +38,8 @@ class MeshProgram {
  private:
   const gl::Functions* gl_;
   gl::Program program_;
-  GLint object_to_clip_, object_to_eye_, normal_to_eye_, color_, crease_limit_, flat_, dim_, orthographic_, from_below_;
+  GLint object_to_clip_, object_to_eye_, normal_to_eye_, color_, crease_limit_, flat_, dim_, orthographic_, from_below_,
+      clip_plane_;
 };
 
 // Draws a vertical gradient over the whole target.

@@ -21,6 +21,7 @@ constexpr Pen bounds_pen{{0.16F, 0.55F, 0.83F, 1.0F}, 1.5, 0.3};
 constexpr Pen star_pen{{0.10F, 0.10F, 0.12F, 1.0F}, 1.5, 0.1};
 constexpr Pen triangle_pen{{0.86F, 0.20F, 0.27F, 1.0F}, 3.0, 0.3};
 constexpr Pen cone_pen{{0.30F, 0.65F, 0.25F, 1.0F}, 1.5, 0.3};
+constexpr Pen measure_pen{{0.95F, 0.30F, 0.10F, 1.0F}, 2.5, 0.7};
 constexpr Pen path_pen{{0.86F, 0.36F, 0.20F, 1.0F}, 1.5, 0.6};
 
 // Adds lines of one object, given in its own space.
@@ -197,6 +198,22 @@ void add_frustum(std::vector<Line>& lines, const Session& session) {
   for (const auto& [from, to] : refined_frustum(session)) lines.push_back({from, to, frustum_pen});
 }
 
+// Adds the distance that is measured, and a cross at each of its ends, as large from everywhere.
+void add_measured(std::vector<Line>& lines, const State& state) {
+  constexpr double arm_px = 6.0;
+  const View view(state.camera);
+  for (const glm::dvec3& end : state.measured) {
+    const double distance = view.is_orthographic() ? 1.0 : glm::dot(end - state.camera.eye, view.direction());
+    const double radius = arm_px * std::max(distance, 0.0) / view.focal_length_px();
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::dvec3 arm(0.0);
+      arm[axis] = radius;
+      lines.push_back({end - arm, end + arm, measure_pen});
+    }
+  }
+  if (state.measured.size() == 2) lines.push_back({state.measured[0], state.measured[1], measure_pen});
+}
+
 // Returns an orthographic camera from above, which shows an orthographic frustum without distortion, and all of it.
 Camera plan_of_box(const Camera& birdseye, const Session& session) {
   Camera camera = orthographic(birdseye);
@@ -221,6 +238,7 @@ std::vector<Line> main_overlay(const Session& session, std::size_t side) {
   if (session.frame() && session.frame()->cells && side == 0)
     add_cell_boxes(lines, *session.frame()->cells, session.refine_camera().eye, state.settings.cells.boxes);
   if (state.settings.freeze) add_frustum(lines, session);
+  add_measured(lines, state);
   if (state.pick)
     for (const PlacedObject& object : *state.objects)
       if (object.id == state.pick->object && object.shown) add_pick(lines, session, object);

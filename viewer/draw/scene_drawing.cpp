@@ -112,9 +112,11 @@ void SceneDrawing::draw(RenderTarget& target, const Camera& camera, std::size_t 
     const std::vector<Drawn>& drawn = sides_[shown].objects;
     const bool seen = colors == Colors::seen && !is_hlod_;  // HLODs have no such colours
     const bool own = has_own_colors(shown, look);
+    if (clip_plane_) gl.Enable(GL_CLIP_DISTANCE0);
     for (std::size_t i = 0; i < drawn.size(); ++i)
       draw_object((*frame_->job.objects)[i], drawn[i], seen ? drawn[i].seen : drawn[i].colors, own, view, look);
   }
+  gl.Disable(GL_CLIP_DISTANCE0);
   gl.Disable(GL_CULL_FACE);
   gl.FrontFace(GL_CCW);
   lines_.draw(lines, view);
@@ -134,7 +136,8 @@ void SceneDrawing::draw_object(const PlacedObject& object, const Drawn& drawn, c
                                bool own_colors, const View& view, const LookSettings& look) const {
   const Camera& camera = view.camera();
   const ObjectView object_view(view, object.object_to_world);
-  const glm::dmat4 object_to_eye = glm::lookAt(camera.eye, camera.target, camera.up) * object.object_to_world;
+  const glm::dmat4 world_to_eye = glm::lookAt(camera.eye, camera.target, camera.up);
+  const glm::dmat4 object_to_eye = world_to_eye * object.object_to_world;
   const VertexBuffers& vertices = drawn.vertices ? *drawn.vertices : vertices_.at(object.mesh);
   MeshProgram::Uniforms uniforms;
   uniforms.object_to_clip = object_view.object_to_clip();
@@ -144,6 +147,7 @@ void SceneDrawing::draw_object(const PlacedObject& object, const Drawn& drawn, c
   uniforms.flat = look.shading == Shading::flat;
   uniforms.dim_back_faces = !object.two_sided;
   uniforms.orthographic = view.is_orthographic();
+  if (clip_plane_) uniforms.clip_plane = glm::vec4(glm::transpose(glm::inverse(world_to_eye)) * *clip_plane_);
   if (colors.any())
     uniforms.color = MeshProgram::Color::triangles;
   else if (own_colors && vertices.has_colors())

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "clipping.h"
 #include "layer_buffer.h"
 #include "lines.h"
 #include "mesh_buffers.h"
@@ -23,6 +24,9 @@ class SceneDrawing {
   // Updates the buffers for a frame; null draws nothing. Does nothing for the frame that it already has, and uploads
   // only the changes for one that follows it. Returns how many bytes it uploads of what is not static.
   std::size_t upload(std::shared_ptr<const RefinedFrame> frame);
+
+  // Meshes are drawn on one side of this plane from now on; lines everywhere.
+  void set_clip_plane(const ClipPlane& plane) { clip_plane_ = plane; }
 
   enum class Colors { as_looked_at, seen };
   // Draws side `side` of the frame (the first if it has fewer) over the background, then lines.
@@ -60,6 +64,7 @@ class SceneDrawing {
   std::map<std::shared_ptr<const ViewMesh>, VertexBuffers> vertices_;
   std::map<std::shared_ptr<const LayeredTexture>, LayerBuffer> layers_;  // of meshes with materials
   std::vector<Side> sides_;
+  ClipPlane clip_plane_;
   bool is_hlod_ = false;  // whether the frame is of HLODs
 };
 

@@ -87,6 +87,7 @@ void draw_camera(Panels& panels) {
   for (const Setting& setting : camera_settings())
     if (std::string(setting.name) != "playback_rate") draw_setting(panels, setting);
   draw_sides(panels);
+  draw_button(panels, "to_frozen", nlohmann::json::object(), nullptr, -1.0F);
   panels.drawn.insert("camera");
   const Camera camera = panels.session.state().camera;
   const double speed = 0.002 * bounds_of(*panels.session.state().objects).radius;

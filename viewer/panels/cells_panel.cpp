@@ -48,7 +48,7 @@ void draw_walk(const CellsFrame& frame) {
   draw_help_of_item("Errors hold for views that magnify no more than the eye model that the cells were built for");
   draw_row("Triangles drawn", grouped(static_cast<double>(walked.drawn_triangles)));
   if (frame.left_out > 0) draw_row("Left out", grouped(static_cast<double>(frame.left_out)));
-  draw_row("Error", fmt::format("{:.3g} px", walked.error_px));
+  draw_row("Error bound", fmt::format("{:.3g} px", walked.error_px));
   draw_row("Late frames", fmt::format("{} of {}, {} missing", frame.late, frame.frames, frame.missing));
   draw_row("Crossings", grouped(static_cast<double>(frame.crossings)));
   draw_row("Bytes read", fmt::format("{} in {} loads", bytes_text(static_cast<double>(frame.bytes_read)), frame.loads));
@@ -69,8 +69,6 @@ void draw_cells(Panels& panels) {
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * 0.5F);
   draw_setting(panels, "cells_prefetch");
   draw_setting(panels, "cells_left_out");
-  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * 0.5F);
-  draw_setting(panels, "freeze");
   for (const char* name : {"cells_memory", "cells_disk", "cells_latency", "cells_color_by", "cell_boxes"})
     draw_setting(panels, name);
   if (session.frame() && session.frame()->cells) draw_walk(*session.frame()->cells);

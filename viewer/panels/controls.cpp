@@ -76,9 +76,10 @@ void draw_integers(Panels& panels, const Setting& setting, const nlohmann::json&
 
 }  // namespace
 
-void draw_label(const char* text) {
+void draw_label(const char* text, const char* help) {
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(text);
+  if (help != nullptr) draw_help_of_item(help);
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * label_share);
   ImGui::SetNextItemWidth(-1.0F);
 }
@@ -118,7 +119,7 @@ void draw_help_of_item(const char* text) {
 void draw_setting(Panels& panels, const Setting& setting) {
   const nlohmann::json value = setting.get(panels.session.state().settings);
   ImGui::PushID(setting.name);
-  if (setting.kind != Setting::Kind::toggle) draw_label(setting.label);
+  if (setting.kind != Setting::Kind::toggle) draw_label(setting.label, setting.help);
   switch (setting.kind) {
     case Setting::Kind::toggle:
       draw_toggle(panels, setting, value);

@@ -72,7 +72,11 @@ void draw_files(Panels& panels) {
   panels.drawn.insert("forget_recent");
   ImGui::SameLine();
   draw_button(panels, "close_all", nlohmann::json::object(), nullptr, third);
+}
 
+void draw_output(Panels& panels) {
+  if (!begin_section(panels, "Files", false)) return;
+  const float third = (ImGui::GetContentRegionAvail().x - 2.0F * ImGui::GetStyle().ItemSpacing.x) / 3.0F;
   draw_setting(panels, "open_as");
   draw_button(panels, "save_scene", {{"file", panels.fields.save_scene}}, nullptr, third);
   ImGui::SameLine();
@@ -82,6 +86,10 @@ void draw_files(Panels& panels) {
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-1.0F);
   ImGui::InputText("##screenshot", &panels.fields.screenshot);
+  draw_button(panels, "export_mesh", {{"file", panels.fields.mesh}}, nullptr, third);
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1.0F);
+  ImGui::InputText("##mesh", &panels.fields.mesh);
 }
 
 namespace {

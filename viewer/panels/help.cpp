@@ -4,6 +4,7 @@
 
 #include "keys.h"
 #include "panels.h"
+#include "theme.h"
 
 namespace occlod::viewer {
 namespace {
@@ -32,7 +33,7 @@ constexpr std::array<Line, 17> mouse = {{{"left drag", "orbit; look around when 
 
 void draw_cells(const char* keys, const char* what) {
   ImGui::TableNextColumn();
-  ImGui::TextColored(ImVec4(0.93F, 0.68F, 0.36F, 1.0F), "%s", keys);
+  ImGui::TextColored(accent_color(), "%s", keys);
   ImGui::TableNextColumn();
   ImGui::Text("%s    ", what);
 }

@@ -117,16 +117,15 @@ void draw_forecasts(const hlod::Frame& frame) {
 void draw_hlod(Panels& panels) {
   const Session& session = panels.session;
   const bool is_open = are_hlods(*session.state().objects);
-  if (!begin_section(panels, "HLOD", is_open)) return;
-  draw_setting(panels, "strategy");
+  if (!begin_section(panels, "HLOD", false)) return;
+  if (!is_open) {  // otherwise they stand above
+    draw_setting(panels, "strategy");
+    draw_setting(panels, "hlod_tolerance");
+  }
   const auto& frame = session.frame();
   if (frame && !frame->hlod_sides.empty() && frame->hlod_sides[0].strategy == hlod::Strategy::automatic)
     draw_forecasts(frame->hlod_sides[0].front->frame);
-  draw_setting(panels, "compare");
-  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * 0.5F);
-  draw_setting(panels, "freeze");
-  draw_setting(panels, "other_strategy");
-  draw_setting(panels, "hlod_tolerance");
+  if (!is_open || !session.state().settings.compare) draw_setting(panels, "other_strategy");
   draw_setting(panels, "most_triangles");
   draw_bias(panels);
   draw_setting(panels, "between");

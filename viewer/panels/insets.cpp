@@ -7,6 +7,7 @@
 #include "hlod_strategies.h"
 #include "palette.h"
 #include "panels.h"
+#include "theme.h"
 
 namespace occlod::viewer {
 namespace {
@@ -51,6 +52,17 @@ std::string count_text(const RefinedSide& side, const char* occlusion) {
                      100.0 * visible / std::max(triangles, 1.0));
 }
 
+// Describes what stands beside a refinement.
+std::string beside_text(const RefinedFrame& frame) {
+  const RefinedSide& side = frame.sides[1];
+  if (side.difference)
+    return fmt::format("off the full mesh: RMS {:.2f} px, silhouette {:.2f} %", side.difference->rms_px,
+                       side.difference->silhouette_mismatch);
+  if (frame.job.beside == Beside::full)
+    return fmt::format("full: {} triangles", grouped(static_cast<double>(side.refinement.stats.triangles)));
+  return count_text(side, "no occlusion");
+}
+
 // Formats "coh: 341 nodes, 456,789 triangles, 12.3 ms".
 std::string count_text(const HlodSide& side) {
   const hlod::Frame& frame = side.front->frame;
@@ -65,7 +77,7 @@ std::string count_text(const HlodSide& side) {
 float draw_recording(const Session& session, const Layout& layout, float margin) {
   const Recording& recording = session.state().recording;
   if (recording.path.empty()) return 0.0F;
-  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.95F, 0.40F, 0.36F, 1.0F));
+  ImGui::PushStyleColor(ImGuiCol_Text, error_color_of_text());
   const float height =
       draw_tag("recording", layout.view,
                fmt::format("Recording {}: {} keys; R stops", recording.path, recording.keys.keys.size()), margin);
@@ -95,16 +107,12 @@ void draw_tags(const Session& session, const Layout& layout, float margin) {
     const std::string name = "occlusion " + find_setting("occlusion")->get(settings).get<std::string>();
     const bool walks = session.frame()->cells != nullptr;
     draw_tag("left", layout.pictures[0], count_text(session.frame()->sides[0], walks ? "cell" : name.c_str()), margin);
-    draw_tag("right", layout.pictures[1], count_text(session.frame()->sides[1], walks ? name.c_str() : "no occlusion"),
-             margin);
+    draw_tag("right", layout.pictures[1],
+             walks ? count_text(session.frame()->sides[1], name.c_str()) : beside_text(*session.frame()), margin);
   } else if (settings.compare && layout.pictures.size() == 2 && session.frame() &&
              session.frame()->hlod_sides.size() == 2) {
     draw_tag("left", layout.pictures[0], count_text(session.frame()->hlod_sides[0]), margin);
     draw_tag("right", layout.pictures[1], count_text(session.frame()->hlod_sides[1]), margin);
-  } else if (session.state().objects->empty() && !session.loader().busy()) {
-    draw_tag("empty", layout.view,
-             "Drop a mesh, a hierarchy or a scene here, or open one with Ctrl + O. F1 lists keys and mouse actions.",
-             margin);
   } else if (settings.freeze) {
     const bool walks = session.frame() && session.frame()->cells;
     draw_tag("frozen", layout.view, walks ? "The cell is frozen (Z)" : "Refinement is frozen (Z)", margin);
@@ -120,7 +128,12 @@ std::vector<LegendEntry> legend_of(const Session& session) {
     int levels = 0;
     for (const PlacedObject& object : objects) levels = std::max(levels, object.mesh->level_count);
     const auto& frame = session.frame();
-    if (!frame || !frame->cells) return legend_of(settings.look.color_by, levels);
+    if (!frame || !frame->cells) {
+      std::vector<LegendEntry> entries = legend_of(settings.look.color_by, levels);
+      if (settings.compare && settings.beside == Beside::difference)
+        for (const LegendEntry& entry : legend_of_difference()) entries.push_back(entry);
+      return entries;
+    }
     std::vector<LegendEntry> entries = legend_of(settings.cells.color_by, levels);
     for (const LegendEntry& entry : legend_of(*frame->cells->cells, settings.cells.boxes)) entries.push_back(entry);
     return entries;

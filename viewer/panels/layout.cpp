@@ -36,6 +36,7 @@ void begin_fixed(const char* name, const Area& area) {
 void draw_sidebar(Panels& panels, const Area& area) {
   begin_fixed("sidebar", area);
   draw_files(panels);
+  draw_first(panels);
   draw_objects(panels);
   draw_auto(panels);
   if (!are_hlods(*panels.session.state().objects)) {
@@ -44,15 +45,17 @@ void draw_sidebar(Panels& panels, const Area& area) {
   }
   if (panels.session.state().objects->empty() || are_hlods(*panels.session.state().objects)) draw_hlod(panels);
   draw_look(panels);
+  draw_study(panels);
   draw_camera(panels);
   draw_paths(panels);
+  draw_output(panels);
   draw_window_settings(panels);
   ImGui::End();
 }
 
 void draw_pictures(const Layout& layout, const std::vector<ImTextureID>& pictures) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  list.AddRectFilled(layout.view.low, layout.view.high, IM_COL32(24, 27, 31, 255));
+  list.AddRectFilled(layout.view.low, layout.view.high, ImGui::GetColorU32(ImGuiCol_TitleBg));
   for (std::size_t i = 0; i < layout.pictures.size() && i < pictures.size(); ++i)
     list.AddImage(pictures[i], layout.pictures[i].low, layout.pictures[i].high, ImVec2(0.0F, 1.0F), ImVec2(1.0F, 0.0F));
 }
@@ -91,10 +94,12 @@ void draw_panels(Panels& panels, const Layout& layout, const std::vector<ImTextu
     draw_numbers(panels, layout.graph);
     ImGui::End();
   }
+  draw_distance(panels.session, layout);
   draw_insets(panels, layout);
   draw_legend(panels, layout);
   draw_selected(panels, layout);
   draw_messages(panels, layout);
+  draw_start(panels, layout);
   draw_open_dialogue(panels, layout);
   draw_help(panels, layout);
 }

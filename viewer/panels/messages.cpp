@@ -3,6 +3,7 @@
 
 #include "controls.h"
 #include "panels.h"
+#include "theme.h"
 
 namespace occlod::viewer {
 namespace {
@@ -29,8 +30,8 @@ bool is_shown(const Notice& notice) {
 }
 
 void draw_notice(const Notice& notice, float width) {
-  if (notice.is_error) ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.95F, 0.55F, 0.48F, 1.0F));
-  if (notice.is_warning) ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.93F, 0.68F, 0.36F, 1.0F));
+  if (notice.is_error) ImGui::PushStyleColor(ImGuiCol_Text, error_color_of_text());
+  if (notice.is_warning) ImGui::PushStyleColor(ImGuiCol_Text, accent_color());
   ImGui::PushTextWrapPos(width);
   ImGui::TextUnformatted(notice.text.c_str());
   ImGui::PopTextWrapPos();

@@ -11,6 +11,7 @@
 
 #include "controls.h"
 #include "panels.h"
+#include "plots.h"
 
 namespace occlod::viewer {
 namespace {
@@ -65,9 +66,11 @@ void draw_grid(const std::vector<Cell>& cells, std::size_t columns) {
     if (i % columns != 0) ImGui::SameLine();
     ImGui::SetCursorPosX(x);
     ImGui::TextDisabled("%s", cells[i].name);
+    draw_help_of_item(help_of_number(cells[i].name));
     ImGui::SameLine();
     ImGui::SetCursorPosX(x + widths[i % columns].names);
     ImGui::TextUnformatted(cells[i].value.c_str());
+    draw_help_of_item(help_of_number(cells[i].name));
     x += widths[i % columns].names + widths[i % columns].values;
   }
 }
@@ -92,9 +95,10 @@ std::vector<Cell> cells_of_mesh(const PictureRecord& shown, const RefinedSide& s
            side.visible_triangles ? share(shown.visible_triangles, shown.triangles) : std::string("not counted")},
           // From frame to frame they are counted for the last mesh only.
           {"forced", share(shown.forced_splits, side.refinement.stats.new_splits)},
-          {"largest error", pixels(shown.max_error_px)},
+          // The quadric error comes first: it is about what is seen, and its bound often many times as much.
+          {"largest error", pixels(shown.max_quadric_error_px)},
+          {"its bound", pixels(shown.max_error_px)},
           {"queries", count(shown.queries)},
-          {"memory", grouped(shown.memory_mb) + " MB"},
           {"hidden", share(shown.queries_hidden, shown.queries)},
           {"split, merged", fmt::format("{}, {}{}", count(side.refinement.stats.new_splits),
                                         count(side.refinement.stats.merged_splits), shown.pending ? ", pending" : "")},
@@ -111,7 +115,7 @@ std::vector<Cell> cells_of_hlod(const PictureRecord& shown, const hlod::Frame& f
           {"stall", fmt::format("{:.2f} ms", frame.times.stall_ms)},
           {"delayed (D)", share(stats.delayed, stats.drawn_nodes)},
           {"wasted", share(stats.wasted_queries, stats.queries)},
-          {"largest error", pixels(stats.largest_sse_px)},
+          {"node error", pixels(stats.largest_sse_px)},
           {"blocked", count(stats.blocked)},
           {"hidden", count(stats.hidden_nodes)},
           {"front", fmt::format("{:016x}", shown.hash)}};
@@ -124,7 +128,7 @@ std::vector<Cell> cells_of_walk(const PictureRecord& shown, const CellsFrame& fr
           {"visible", side.visible_triangles ? share(shown.visible_triangles, walked.drawn_triangles)
                                              : std::string("not counted")},
           {"late frames", share(frame.late, frame.frames)},
-          {"largest error", pixels(walked.error_px)},
+          {"error bound", pixels(walked.error_px)},
           {"crossings", count(frame.crossings)},
           {"memory", grouped(shown.memory_mb) + " MB"},
           {"of cells", fmt::format("{:.2f} MB", static_cast<double>(walked.resident_bytes) / 1e6)},
@@ -137,20 +141,14 @@ void draw_cells_of(const RefinedFrame& frame, const PictureRecord& shown) {
   draw_grid(frame.cells ? cells_of_walk(shown, *frame.cells, frame.sides[0]) : cells_of_mesh(shown, frame.sides[0]), 2);
 }
 
-// Draws a bar for each of the last pictures, and lines between them where whole seconds have passed. The axis below
-// says how many seconds.
+// Draws a bar for each of the last pictures.
 void draw_bars(ImDrawList& list, const Area& area, const std::deque<PictureRecord>& records, float bar) {
   const auto bars = std::min(records.size(), static_cast<std::size_t>(area.width() / bar));
   const std::size_t first = records.size() - bars;
   const double top = graph_top_ms(records, first);
-  const double seconds = records.back().at_s - records[first].at_s;
-  const double step = round_up(seconds / 6.0, 1.0);
-  const ImU32 dim = ImGui::GetColorU32(ImGuiCol_TextDisabled);
+  draw_time_axis(list, area, records, first, bar);
   float x = area.high.x - static_cast<float>(bars) * bar;
-  const float left = x;
   for (std::size_t i = first; i < records.size(); ++i, x += bar) {
-    if (i > first && std::floor(records[i].at_s / step) > std::floor(records[i - 1].at_s / step))
-      list.AddLine(ImVec2(x, area.low.y), ImVec2(x, area.high.y), ImGui::GetColorU32(ImGuiCol_Border));
     float y = area.high.y;
     for (const Part& part : parts) {
       const auto height = static_cast<float>(part.milliseconds(records[i]) / top) * area.height();
@@ -159,14 +157,8 @@ void draw_bars(ImDrawList& list, const Area& area, const std::deque<PictureRecor
       y = next;
     }
   }
-  list.AddText(ImVec2(area.low.x + 4.0F, area.low.y + 2.0F), dim, fmt::format("{:g} ms", top).c_str());
-  const std::string now = fmt::format("now; a line every {:g} s", step);
-  const float now_left = area.high.x - ImGui::CalcTextSize(now.c_str()).x;
-  list.AddText(ImVec2(now_left, area.high.y), dim, now.c_str());
-  const std::string ago = fmt::format("{:.1f} s ago", seconds);
-  const float ago_left = std::max(area.low.x, left);
-  if (ago_left + ImGui::CalcTextSize(ago.c_str()).x < now_left)
-    list.AddText(ImVec2(ago_left, area.high.y), dim, ago.c_str());
+  list.AddText(ImVec2(area.low.x + 4.0F, area.low.y + 2.0F), ImGui::GetColorU32(ImGuiCol_TextDisabled),
+               fmt::format("{:g} ms", top).c_str());
 }
 
 // Draws the costs of a picture, as many in a line as there is room for.
@@ -185,7 +177,21 @@ void draw_times(const PictureRecord& last, bool is_hlod, float right) {
     ImGui::Dummy(ImVec2(side, side));
     ImGui::SameLine();
     ImGui::TextUnformatted(text.c_str());
+    draw_help_of_item(help_of_number(is_hlod ? part.hlod_name : part.name));
   }
+}
+
+void draw_graph(Panels& panels, ImDrawList& list, const Area& area) {
+  const auto& records = panels.session.timeline().records();
+  const Plot plot = panels.session.state().settings.window.plot;
+  const float step = 3.0F * panels.scale;
+  if (plot == Plot::times)
+    draw_bars(list, area, records, step);
+  else
+    draw_plot(list, area, records, plot, step);
+  if (ImGui::InvisibleButton("graph", ImVec2(area.width(), area.height())))
+    panels.perform("flip", {{"setting", "plot"}});
+  draw_help_of_item("Click to see triangles, the visible share, the largest error, or times again");
 }
 
 const char* why_there_is_nothing(const Session& session) {
@@ -209,6 +215,11 @@ void draw_numbers(Panels& panels, const Area& area) {
   ImGui::SameLine();
   ImGui::SetNextItemWidth(150.0F * panels.scale);
   ImGui::InputText("##csv", &panels.fields.csv);
+  if (!frame->sides.empty() && !frame->cells) {
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s MB", grouped(shown.memory_mb).c_str());
+    draw_help_of_item(help_of_number("memory"));
+  }
   ImGui::EndGroup();
   if (records.empty()) return;  // the costs of the first picture are not known yet
   ImGui::SameLine(0.0F, 20.0F * panels.scale);
@@ -220,7 +231,7 @@ void draw_numbers(Panels& panels, const Area& area) {
                    ImVec2(right, area.high.y - 4.0F * panels.scale - ImGui::GetTextLineHeight())};
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(graph.low, graph.high, ImGui::GetColorU32(ImGuiCol_FrameBg), 3.0F);
-  if (graph.width() > 20.0F && graph.height() > 10.0F) draw_bars(list, graph, records, 3.0F * panels.scale);
+  if (graph.width() > 20.0F && graph.height() > 10.0F) draw_graph(panels, list, graph);
   ImGui::EndGroup();
 }
 

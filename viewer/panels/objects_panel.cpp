@@ -35,9 +35,8 @@ void draw_row(Panels& panels, const PlacedObject& object) {
 }  // namespace
 
 void draw_objects(Panels& panels) {
-  if (!begin_section(panels, "Objects")) return;
   const auto objects = panels.session.state().objects;  // a copy, because actions replace it
-  if (objects->empty()) ImGui::TextDisabled("none");
+  if (objects->empty() || !begin_section(panels, "Objects")) return;
   for (const PlacedObject& object : *objects) draw_row(panels, object);
 }
 

@@ -41,6 +41,7 @@ struct Fields {
   std::string open_file;
   std::string save_scene = "scene.json";
   std::string screenshot = "occlod-view.png";
+  std::string mesh = "occlod-view.ply";
   std::string csv = "occlod-view.csv";
   std::string bookmark = "view 1";
   std::string path = "path 1";
@@ -77,6 +78,9 @@ void draw_panels(Panels& panels, const Layout& layout, const std::vector<ImTextu
 
 // Each of these draws one part, and has its own source.
 void draw_files(Panels& panels);
+void draw_output(Panels& panels);
+void draw_first(Panels& panels);
+void draw_start(Panels& panels, const Layout& layout);
 void draw_open_dialogue(Panels& panels, const Layout& layout);
 void draw_objects(Panels& panels);
 void draw_refinement(Panels& panels);
@@ -86,6 +90,8 @@ void draw_auto(Panels& panels);
 void draw_look(Panels& panels);
 // Draws, over the view, the placement of the selected object and what was picked of it.
 void draw_selected(Panels& panels, const Layout& layout);
+void draw_study(Panels& panels);
+void draw_distance(const Session& session, const Layout& layout);
 void draw_camera(Panels& panels);
 void draw_paths(Panels& panels);
 void draw_window_settings(Panels& panels);

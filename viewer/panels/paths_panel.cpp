@@ -44,6 +44,7 @@ void draw_paths(Panels& panels) {
                                ? fmt::format("playing {}", state.playback.path).c_str()
                                : fmt::format("recording, {} keys", state.recording.keys.keys.size()).c_str());
   }
+  draw_button(panels, "turntable", {{"name", panels.fields.path}});
   draw_setting(panels, "playback_rate");
   draw_label("Pictures to");
   ImGui::InputText("##folder", &panels.fields.pictures);

@@ -8,6 +8,16 @@
 namespace occlod::viewer {
 namespace {
 
+// Returns those that draw_first() does not draw.
+std::vector<Setting> later_settings(std::span<const Setting> settings) {
+  std::vector<Setting> later;
+  for (const Setting& setting : settings) {
+    const std::string_view name = setting.name;
+    if (name != "budget" && name != "occlusion" && name != "freeze" && name != "compare") later.push_back(setting);
+  }
+  return later;
+}
+
 // Draws them in order, two switches per row.
 void draw_settings(Panels& panels, std::span<const Setting> settings) {
   bool beside = false;
@@ -22,12 +32,13 @@ void draw_settings(Panels& panels, std::span<const Setting> settings) {
 }  // namespace
 
 void draw_refinement(Panels& panels) {
-  if (!begin_section(panels, "Refinement")) return;
-  draw_settings(panels, refine_settings());
+  if (!begin_section(panels, "Refinement", false)) return;
+  draw_settings(panels, later_settings(refine_settings()));
+  if (!panels.session.state().settings.compare) draw_setting(panels, "beside");
 }
 
 void draw_look(Panels& panels) {
-  if (!begin_section(panels, "Look")) return;
+  if (!begin_section(panels, "Look", false)) return;
   if (!are_hlods(*panels.session.state().objects)) return draw_settings(panels, look_settings());
   // The others concern meshes.
   std::vector<Setting> settings;

@@ -39,6 +39,33 @@ void color(ImGuiCol which, float r, float g, float b, float alpha = 1.0F) {
   ImGui::GetStyle().Colors[which] = ImVec4(r, g, b, alpha);
 }
 
+void set_light_surfaces() {
+  color(ImGuiCol_Text, 0.10F, 0.11F, 0.13F);
+  color(ImGuiCol_TextDisabled, 0.38F, 0.41F, 0.45F);
+  color(ImGuiCol_WindowBg, 0.945F, 0.950F, 0.955F, 0.98F);
+  color(ImGuiCol_PopupBg, 0.985F, 0.985F, 0.990F, 0.98F);
+  color(ImGuiCol_Border, 0.74F, 0.76F, 0.79F);
+  color(ImGuiCol_FrameBg, 0.865F, 0.875F, 0.890F);
+  color(ImGuiCol_FrameBgHovered, 0.820F, 0.835F, 0.855F);
+  color(ImGuiCol_FrameBgActive, 0.780F, 0.800F, 0.825F);
+  color(ImGuiCol_TitleBg, 0.890F, 0.900F, 0.915F);
+  color(ImGuiCol_TitleBgActive, 0.850F, 0.865F, 0.885F);
+  color(ImGuiCol_ScrollbarBg, 0.0F, 0.0F, 0.0F, 0.0F);
+  color(ImGuiCol_Separator, 0.74F, 0.76F, 0.79F);
+  color(ImGuiCol_CheckMark, 0.72F, 0.42F, 0.05F);
+  color(ImGuiCol_SliderGrab, 0.80F, 0.50F, 0.12F, 0.50F);  // the value shows through
+  color(ImGuiCol_SliderGrabActive, 0.80F, 0.50F, 0.12F, 0.70F);
+  color(ImGuiCol_Button, 0.815F, 0.830F, 0.850F);
+  color(ImGuiCol_ButtonHovered, 0.760F, 0.780F, 0.810F);
+  color(ImGuiCol_ButtonActive, 0.700F, 0.725F, 0.760F);
+  color(ImGuiCol_Header, 0.865F, 0.880F, 0.900F);
+  color(ImGuiCol_HeaderHovered, 0.815F, 0.835F, 0.860F);
+  color(ImGuiCol_HeaderActive, 0.770F, 0.795F, 0.825F);
+  color(ImGuiCol_PlotHistogram, 0.80F, 0.50F, 0.12F);
+}
+
+bool is_light() { return ImGui::GetStyle().Colors[ImGuiCol_WindowBg].x > 0.5F; }
+
 void set_surfaces() {
   color(ImGuiCol_Text, 0.88F, 0.90F, 0.92F);
   color(ImGuiCol_TextDisabled, 0.56F, 0.60F, 0.65F);
@@ -70,12 +97,23 @@ void set_accents() {
 
 }  // namespace
 
-void apply_theme(float scale) {
+ImVec4 accent_color() { return is_light() ? ImVec4(0.62F, 0.34F, 0.02F, 1.0F) : ImVec4(0.93F, 0.68F, 0.36F, 1.0F); }
+
+ImVec4 error_color_of_text() {
+  return is_light() ? ImVec4(0.72F, 0.10F, 0.06F, 1.0F) : ImVec4(0.95F, 0.55F, 0.48F, 1.0F);
+}
+
+void apply_theme(float scale, Theme theme) {
   ImGuiStyle& style = ImGui::GetStyle();
   style = ImGuiStyle();
-  ImGui::StyleColorsDark();
-  set_surfaces();
-  set_accents();
+  if (theme == Theme::light) {
+    ImGui::StyleColorsLight();
+    set_light_surfaces();
+  } else {
+    ImGui::StyleColorsDark();
+    set_surfaces();
+    set_accents();
+  }
   style.WindowRounding = 0.0F;
   style.FrameRounding = 3.0F;
   style.GrabRounding = 3.0F;

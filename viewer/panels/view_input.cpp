@@ -99,7 +99,9 @@ void ViewInput::drag(Panels& panels, const ImVec2& by) {
 }
 
 void ViewInput::release(Panels& panels) {
-  if (button_ == 0 && !moved_ && !drags_object_) panels.perform("pick", place_in(picture_, start_));
+  const bool measures = panels.session.state().settings.measure;
+  if (button_ == 0 && !moved_ && !drags_object_)
+    panels.perform(measures ? "measure" : "pick", place_in(picture_, start_));
   button_ = -1;
 }
 

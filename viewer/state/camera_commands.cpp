@@ -141,7 +141,8 @@ void move_camera(Session& session, const JsonPlace& action) {
 void look_at(Session& session, const JsonPlace& action) {
   State& state = session.state();
   if (!session.frame()) action.fail("nothing is open", "open a mesh first");
-  const auto hit = cast_ray(*session.frame(), ray_through(state.camera, place_of(action)));
+  const auto hit = cast_ray(*session.frame(), ray_through(state.camera, place_of(action)),
+                            clip_plane(state.settings.clip, *state.objects));
   if (!hit) return;
   state.camera.eye += hit->point - state.camera.target;
   state.camera.target = hit->point;

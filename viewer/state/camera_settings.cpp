@@ -30,6 +30,15 @@ std::span<const Setting> window_settings() {
       number(
           {"scale", "Scale", "Size of text and panels; 0: as the display asks for"}, {0.0, 4.0, false, ""},
           [](auto& s) -> auto& { return s.window.scale; }),
+      choice(
+          {"theme", "Theme", "Colours of the panels"}, {"dark", "light"},
+          [](auto& s) -> auto& { return s.window.theme; }),
+      choice(
+          {"plot", "Graph shows",
+           "What the graph at the bottom shows of the last pictures: their times, triangles, the share of these that "
+           "is "
+           "visible, or the largest error"},
+          {"times", "triangles", "visible", "error"}, [](auto& s) -> auto& { return s.window.plot; }),
   };
   return settings;
 }

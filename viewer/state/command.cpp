@@ -4,7 +4,7 @@ namespace occlod::viewer {
 
 std::vector<const Command*> all_commands() {
   std::vector<const Command*> all;
-  for (const auto& group : {scene_commands(), camera_commands(), path_commands(), output_commands()})
+  for (const auto& group : {scene_commands(), camera_commands(), path_commands(), output_commands(), study_commands()})
     for (const Command& command : group) all.push_back(&command);
   return all;
 }

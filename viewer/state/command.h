@@ -31,6 +31,7 @@ struct Command {
 [[nodiscard]] std::span<const Command> camera_commands();
 [[nodiscard]] std::span<const Command> path_commands();
 [[nodiscard]] std::span<const Command> output_commands();
+[[nodiscard]] std::span<const Command> study_commands();
 [[nodiscard]] std::vector<const Command*> all_commands();
 
 // Returns null for an unknown name.

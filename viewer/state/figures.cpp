@@ -1,4 +1,5 @@
 // Lists the numbers that scripts check, by name.
+#include <glm/geometric.hpp>
 #include <map>
 #include <string>
 
@@ -72,6 +73,7 @@ std::map<std::string, double> Session::figures() const {
                                            {"errors", static_cast<double>(state_.errors)},
                                            {"picked", state_.pick ? 1.0 : 0.0},
                                            {"memory_mb", resident_memory_mb()}};
+  if (state_.measured.size() == 2) figures["distance"] = glm::distance(state_.measured[0], state_.measured[1]);
   if (frame_ && !frame_->hlod_sides.empty()) add_figures(figures, *frame_);
   if (frame_ && frame_->cells) add_figures(figures, *frame_->cells);
   if (!frame_ || frame_->sides.empty()) return figures;
@@ -89,6 +91,7 @@ std::map<std::string, double> Session::figures() const {
   figures["queries_hidden"] = static_cast<double>(stats.queries_hidden);
   figures["occluder_draws"] = static_cast<double>(stats.occluder_draws);
   figures["max_error_px"] = stats.max_error_px;
+  figures["max_quadric_error_px"] = stats.max_quadric_error_px;
   figures["new_splits"] = static_cast<double>(stats.new_splits);
   figures["merged_splits"] = static_cast<double>(stats.merged_splits);
   figures["changed_triangles"] = static_cast<double>(stats.changed_triangles);
@@ -102,8 +105,15 @@ std::map<std::string, double> Session::figures() const {
     figures["same_error_triangles"] = why->report.same_error_without.triangles;
     figures["same_error_ms"] = why->report.same_error_without.ms;
   }
-  if (frame_->sides.size() > 1)
-    figures["visible_triangles_without"] = static_cast<double>(frame_->sides[1].visible_triangles.value_or(0));
+  if (frame_->sides.size() < 2) return figures;
+  const RefinedSide& beside = frame_->sides[1];
+  if (frame_->job.beside == Beside::other)
+    figures["visible_triangles_without"] = static_cast<double>(beside.visible_triangles.value_or(0));
+  else
+    figures["full_triangles"] = static_cast<double>(beside.refinement.stats.triangles);
+  if (!beside.difference) return figures;
+  figures["depth_rms_px"] = beside.difference->rms_px;
+  figures["silhouette_mismatch"] = beside.difference->silhouette_mismatch;
   return figures;
 }
 

@@ -28,7 +28,7 @@ std::span<const Setting> hlod_settings() {
           {"strategy", "Strategy", "Which nodes are drawn, and which occlusion queries decide it"}, strategy_names(),
           [](auto& s) -> auto& { return s.hlod.traverse.strategy; }),
       choice(
-          {"other_strategy", "Beside it", "Strategy of the right half of the split screen"}, strategy_names(),
+          {"other_strategy", "Compare with", "Split screen: strategy of its right half"}, strategy_names(),
           [](auto& s) -> auto& { return s.hlod.other_strategy; }),
       number(
           {"hlod_tolerance", "Tolerance", "Nodes whose error covers more pixels are refined; 0: the input itself"},
@@ -38,13 +38,16 @@ std::span<const Setting> hlod_settings() {
            "The tolerance is raised until a frame has no more; 0: no limit. Where the CPU draws, it starts at 300,000"},
           {0, 10'000'000, true, ""}, [](auto& s) -> auto& { return s.hlod.most_triangles; })),
       number(
-          {"bias_s", "s",
+          {"bias_s", "Sigmoid (s)",
            "Bias of coh, batch and auto, by which errors count less where little of a node is visible: from the "
            "visible "
            "share itself (0) to a sigmoid of it (1)"},
           {0.0, 1.0, false, ""}, [](auto& s) -> auto& { return s.hlod.traverse.bias.s; }),
       number(
-          {"bias_t", "t", "Bias: visible share where the sigmoid turns; the smaller, the more is refined"},
+          {"bias_t", "Turning point (t)",
+           "Bias: visible share of a node above which more than that share of its error counts; the smaller, the more "
+           "is "
+           "refined"},
           {0.0, 1.0, false, ""}, [](auto& s) -> auto& { return s.hlod.traverse.bias.t; }),
       choice(
           {"between", "Between levels",
@@ -54,7 +57,8 @@ std::span<const Setting> hlod_settings() {
           {"device", "Device", "What answers queries and is timed. gl: OpenGL; software: the rasteriser, exact"},
           {hlod_device_names.begin(), hlod_device_names.end()}, [](auto& s) -> auto& { return s.hlod.device; }),
       toggle(
-          {"settle", "Settle", "Draw more frames of a view that stands still until the same nodes are drawn; off: one"},
+          {"settle", "Draw until settled",
+           "Draw more frames of a view that stands still until the same nodes are drawn; off: one"},
           [](auto& s) -> auto& { return s.hlod.settle; }),
       choice(
           {"hlod_color_by", "Colour by", "What the colour of a node stands for"},

@@ -95,7 +95,15 @@ Loader::~Loader() {
 void Loader::open(const std::filesystem::path& file, LoadAs as) {
   {
     const std::lock_guard lock(mutex_);
-    waiting_.push_back({file, as, nullptr});
+    waiting_.push_back({file, as, nullptr, nullptr});
+  }
+  changed_.notify_all();
+}
+
+void Loader::open(const Example& example) {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_.push_back({example.label, example.as, nullptr, &example});
   }
   changed_.notify_all();
 }
@@ -103,7 +111,7 @@ void Loader::open(const std::filesystem::path& file, LoadAs as) {
 void Loader::open_cells(const std::filesystem::path& file, std::shared_ptr<const Objects> objects) {
   {
     const std::lock_guard lock(mutex_);
-    waiting_.push_back({file, LoadAs::hierarchy, std::move(objects)});
+    waiting_.push_back({file, LoadAs::hierarchy, std::move(objects), nullptr});
   }
   changed_.notify_all();
 }
@@ -161,13 +169,14 @@ void Loader::run() {
 LoadedFile Loader::load(const Wanted& wanted) {
   LoadedFile result;
   result.file = wanted.file;
+  result.is_example = wanted.example != nullptr;
   try {
     if (wanted.cells_of) {
       result.cells = open_view_cells(wanted.file, wanted.cells_of);
       return result;
     }
-    check_name(wanted.file);
-    const SceneDescription scene = describe_file(wanted.file);
+    if (wanted.example == nullptr) check_name(wanted.file);
+    const SceneDescription scene = wanted.example != nullptr ? scene_of(*wanted.example) : describe_file(wanted.file);
     if (wanted.as == LoadAs::hlod || has_hlods(scene, wanted.file.parent_path()))
       load_as_hlods(scene, result);
     else

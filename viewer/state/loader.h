@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "examples.h"
 #include "objects.h"
 #include "occlod/node_store.h"
 #include "occlod/scene.h"
@@ -23,7 +24,8 @@ namespace occlod::viewer {
 
 // Holds the result of opening one file.
 struct LoadedFile {
-  std::filesystem::path file;
+  std::filesystem::path file;  // of an example, its label
+  bool is_example = false;
   std::string error;  // one line; empty: success
   bool cancelled = false;
   std::vector<PlacedObject> objects;      // without ids
@@ -54,6 +56,8 @@ class Loader {
 
   // Opens a file. HLODs (.ohlod), and scenes with such objects, are opened as HLODs whatever `as` is.
   void open(const std::filesystem::path& file, LoadAs as = LoadAs::hierarchy);
+  // Generates a scene that is in no file.
+  void open(const Example& example);
   // Opens a .vlod file for these objects.
   void open_cells(const std::filesystem::path& file, std::shared_ptr<const Objects> objects);
   void cancel();  // everything
@@ -68,6 +72,7 @@ class Loader {
     std::filesystem::path file;
     LoadAs as = LoadAs::hierarchy;
     std::shared_ptr<const Objects> cells_of;  // for a .vlod file, else null
+    const Example* example = nullptr;         // in place of a file
   };
   [[nodiscard]] LoadedFile load(const Wanted& wanted);
   void load_meshes(const SceneDescription& scene, LoadedFile& result);

@@ -51,7 +51,8 @@ void pick(Session& session, const JsonPlace& action) {
   state.pick.reset();
   state.selected = 0;
   if (!session.frame()) return;
-  const auto hit = cast_ray(*session.frame(), ray_through(state.camera, place_of(action)));
+  const auto hit = cast_ray(*session.frame(), ray_through(state.camera, place_of(action)),
+                            clip_plane(state.settings.clip, *state.objects));
   if (!hit) return;
   state.pick = pick_of(*session.frame(), *hit);
   state.selected = state.pick->object;

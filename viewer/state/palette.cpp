@@ -198,6 +198,13 @@ std::vector<LegendEntry> legend_of(CellColorBy color_by, int level_count) {
   return {};
 }
 
+std::vector<LegendEntry> legend_of_difference() {
+  std::vector<LegendEntry> legend = legend_of(ColorBy::error, 0);
+  for (LegendEntry& entry : legend) entry.text = "depth is off by " + entry.text;
+  legend.push_back({one_surface_color, "surface in one picture only"});
+  return legend;
+}
+
 std::vector<LegendEntry> legend_of_arrivals() { return entries(arrival_colors, arrival_words); }
 
 }  // namespace occlod::viewer

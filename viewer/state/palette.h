@@ -63,9 +63,11 @@ inline constexpr std::size_t cell_arrival_count = 3;
 [[nodiscard]] glm::u8vec4 error_color(double error_px);
 inline constexpr double min_error_px = 0.125;  // lower end of its logarithmic scale
 inline constexpr double max_error_px = 16.0;
-[[nodiscard]] glm::u8vec4 age_color(std::uint32_t occluders);      // see Refiner::visibility_ages()
-inline constexpr std::uint32_t max_age = 15;                       // upper end of its logarithmic scale
-inline constexpr glm::u8vec4 base_mesh_color{120, 124, 132, 255};  // of triangles that no split has made
+[[nodiscard]] glm::u8vec4 age_color(std::uint32_t occluders);       // see Refiner::visibility_ages()
+inline constexpr std::uint32_t max_age = 15;                        // upper end of its logarithmic scale
+inline constexpr glm::u8vec4 no_surface_color{210, 216, 224, 255};  // of a difference: neither picture has a surface
+inline constexpr glm::u8vec4 one_surface_color{92, 60, 150, 255};   // of a difference: only one of them has
+inline constexpr glm::u8vec4 base_mesh_color{120, 124, 132, 255};   // of triangles that no split has made
 
 // These colours are for HLODs. Level 0 is the input.
 [[nodiscard]] glm::u8vec4 hlod_level_color(std::size_t level, std::size_t level_count);
@@ -89,5 +91,6 @@ struct LegendEntry {
 [[nodiscard]] std::vector<LegendEntry> legend_of(NodeBoxes boxes);
 [[nodiscard]] std::vector<LegendEntry> legend_of(CellColorBy color_by, int level_count);
 [[nodiscard]] std::vector<LegendEntry> legend_of_arrivals();
+[[nodiscard]] std::vector<LegendEntry> legend_of_difference();
 
 }  // namespace occlod::viewer

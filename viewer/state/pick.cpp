@@ -45,7 +45,7 @@ ShownTriangles shown_triangles(const RefinedFrame& frame, std::size_t object) {
 
 }  // namespace
 
-std::optional<Hit> cast_ray(const RefinedFrame& frame, const Ray& ray) {
+std::optional<Hit> cast_ray(const RefinedFrame& frame, const Ray& ray, const ClipPlane& clip) {
   if (frame.side_count() == 0) return std::nullopt;
   std::optional<Hit> nearest;
   double least = std::numeric_limits<double>::infinity();
@@ -57,7 +57,7 @@ std::optional<Hit> cast_ray(const RefinedFrame& frame, const Ray& ray) {
     const auto [positions, triangles] = shown_triangles(frame, i);
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       const auto distance = meet(o, d, positions[triangles[t].x], positions[triangles[t].y], positions[triangles[t].z]);
-      if (!distance || *distance >= least) continue;
+      if (!distance || *distance >= least || is_clipped(clip, ray.origin + *distance * ray.direction)) continue;
       least = *distance;
       nearest = Hit{i, t, ray.origin + least * ray.direction, least};
     }

@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
+#include "clipping.h"
 #include "navigation.h"
 #include "refine_worker.h"
 
@@ -18,8 +19,9 @@ struct Hit {
   double distance = 0.0;  // in lengths of the ray's direction
 };
 
-// Returns the nearest triangle of the frame's first side that a ray meets from either side. O(triangles).
-[[nodiscard]] std::optional<Hit> cast_ray(const RefinedFrame& frame, const Ray& ray);
+// Returns the nearest triangle of the frame's first side that a ray meets from either side, where it is not clipped.
+// O(triangles).
+[[nodiscard]] std::optional<Hit> cast_ray(const RefinedFrame& frame, const Ray& ray, const ClipPlane& clip = {});
 
 // Names a picked triangle, and the split that made it or the node that it belongs to.
 struct Pick {

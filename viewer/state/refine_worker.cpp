@@ -96,12 +96,34 @@ class Bench {
   void refine(RefinedFrame& frame) {
     RefineJob& job = frame.job;
     cells_.forget();
-    place(job, job.compare ? 2 : 1);
+    place(job, job.compare && job.beside == Beside::other ? 2 : 1);
     job.options.budget = std::max(job.options.budget, refiners_[0].base_triangles());
     frame.sides.push_back(side(refiners_[0], job, job.occlusion));
     frame.hash = frame.sides[0].refinement.hash();
-    if (job.compare) frame.sides.push_back(side(refiners_[1], job, Occlusion::none));
+    if (job.compare) frame.sides.push_back(side_beside(job));
     frame.goes_on = job.frame_to_frame && goes_on(frame);
+  }
+
+  // Call it after side() of what it stands beside.
+  [[nodiscard]] RefinedSide side_beside(const RefineJob& job) {
+    if (job.beside == Beside::other) return side(refiners_[1], job, Occlusion::none);
+    full_.set(objects_);
+    if (full_of_ != objects_) {
+      full_of_ = objects_;
+      full_number_ = ++refinements_;
+    }
+    RefinedSide result;
+    result.refinement.objects.resize(objects_->size());
+    result.colors.resize(objects_->size());
+    result.refinement.stats.triangles = full_.triangle_count();
+    if (job.beside == Beside::difference) {
+      result.number = ++refinements_;
+      result.difference = full_.difference(job.camera, items_.depth);  // side() has drawn them
+      return result;
+    }
+    result.number = full_number_;
+    for (std::size_t i = 0; i < objects_->size(); ++i) result.refinement.objects[i].triangles = full_.triangles(i);
+    return result;
   }
 
   // Walks through cells, and refines beside them to compare.
@@ -225,6 +247,9 @@ class Bench {
   std::uint64_t refinements_ = 0;
   int idle_frames_ = 0;
   ItemBuffer items_;
+  FullMesh full_;
+  std::shared_ptr<const Objects> full_of_;  // the objects of full_number_
+  std::uint64_t full_number_ = 0;           // of the refinement that the full meshes are taken for
   HlodBench hlods_;
   CellsBench cells_;
 };

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cells_side.h"
+#include "full_mesh.h"
 #include "hlod_devices.h"
 #include "hlod_side.h"
 #include "objects.h"
@@ -36,6 +37,7 @@ struct RefineJob {
   bool from_scratch = false;   // but not from that mesh: results depend on this job and later ones only
   bool again = false;          // one more frame of the same view: see RefinedFrame::goes_on
   bool compare = false;
+  Beside beside = Beside::other;  // of meshes that are compared, without cells
   bool count_visible = true;
   bool keep_occluder = false;
   bool keep_seen = false;
@@ -60,12 +62,13 @@ struct RefinedSide {
   std::vector<std::vector<glm::u8vec4>> seen_colors;  // those of ColorBy::visibility, if asked for
   std::vector<std::vector<glm::u8vec4>> colors;       // per object and triangle; empty where colours tell nothing
   std::shared_ptr<const DepthPyramid> occluder;       // if asked for and drawn
+  std::shared_ptr<const DepthDifference> difference;  // in place of triangles: what is shown of this side; else null
 };
 
 // Never changes once it is handed over.
 struct RefinedFrame {
   RefineJob job;
-  // One of these is filled: as asked, and with `compare` also without occlusion, or by the other strategy. With cells,
+  // One of these is filled: as asked, and with `compare` also what is beside it, or by the other strategy. With cells,
   // the first side is what is drawn for the cell of the eye, and the second, to compare, a refinement.
   std::vector<RefinedSide> sides;
   std::vector<HlodSide> hlod_sides;

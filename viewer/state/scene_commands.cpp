@@ -47,6 +47,18 @@ bool is_usable(const glm::dmat4& matrix) {
 }
 
 void open(Session& session, const JsonPlace& action) { session.open(action.at("file").string()); }
+
+void open_example(Session& session, const JsonPlace& action) {
+  const JsonPlace name = action.at("name");
+  const Example* example = find_example(name.string());
+  if (example == nullptr) {
+    std::string names;
+    for (const Example& one : examples()) names += (names.empty() ? "" : ", ") + std::string(one.name);
+    name.fail("is no example", "use one of: " + names);
+  }
+  session.loader().open(*example);
+}
+
 void cancel(Session& session, const JsonPlace&) { session.cancel_loading(); }
 
 void close(Session& session, const JsonPlace& action) {
@@ -65,6 +77,7 @@ void close_all(Session& session, const JsonPlace&) {
   session.close_cells();
   state.selected = 0;
   state.pick.reset();
+  state.measured.clear();
   state.bookmarks.clear();
   state.paths.clear();
   state.playback = {};
@@ -157,6 +170,11 @@ std::span<const Command> scene_commands() {
        "(.vlod) of what is open",
        {{"file", "path"}},
        open},
+      {"open_example",
+       "Example",
+       "Generate a scene, so that there is something to look at without a file",
+       {{"name", "planet, city, plant or city-hlod"}},
+       open_example},
       {"cancel", "Cancel", "Cancel loading and building", {}, cancel, false},
       {"close", "Close", "Close one object", {object}, close},
       {"close_all", "Close all", "Close everything", {}, close_all},

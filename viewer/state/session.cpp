@@ -30,6 +30,7 @@ nlohmann::json key_of(const Camera& c) {
 nlohmann::json key_of(const RefineJob& job, const Settings& settings) {
   nlohmann::json key =
       nlohmann::json::array({key_of(job.camera), job.keep_occluder, job.keep_seen, static_cast<int>(job.color_by)});
+  key.push_back(static_cast<int>(job.beside));
   key.push_back(job.cells != nullptr);  // request_mesh() treats another file as a change of the objects
   for (const auto& group : {refine_settings(), hlod_settings(), cells_settings()})
     for (const Setting& setting : group) key.push_back(setting.get(settings));
@@ -62,6 +63,7 @@ void tell(PictureRecord& record, const RefinedSide& side, bool is_new) {
   record.queries = stats.queries;
   record.queries_hidden = stats.queries_hidden;
   record.max_error_px = stats.max_error_px;
+  record.max_quadric_error_px = stats.max_quadric_error_px;
 }
 
 // The times are those of the device, which may be simulated.
@@ -286,11 +288,7 @@ void Session::add(LoadedFile file) {
   for (const auto& [name, camera] : file.cameras) state_.bookmarks[name] = camera;
   for (const auto& [name, path] : file.paths) state_.paths[name] = path;
   if (!file.about.empty()) state_.about = file.about;
-  const auto path = std::filesystem::absolute(file.file);
-  if (is_scene_file(path)) files_.add_scene(path);
-  std::erase(state_.recent, path);
-  state_.recent.insert(state_.recent.begin(), path);
-  if (state_.recent.size() > most_recent) state_.recent.resize(most_recent);
+  if (!file.is_example) remember(std::filesystem::absolute(file.file));
   if (!first || state_.settings.freeze) return;
   if (const auto found = file.cameras.find("default"); found != file.cameras.end()) {
     state_.camera = found->second;
@@ -303,6 +301,14 @@ void Session::add(LoadedFile file) {
     fit_range(state_.camera, bounds);
   }
   set_view_size(view_size_);
+}
+
+// Lists a file that was opened among the recent ones.
+void Session::remember(const std::filesystem::path& file) {
+  if (is_scene_file(file)) files_.add_scene(file);
+  std::erase(state_.recent, file);
+  state_.recent.insert(state_.recent.begin(), file);
+  if (state_.recent.size() > most_recent) state_.recent.resize(most_recent);
 }
 
 // Shows each frame of a path: the next one comes when the mesh of this one was drawn and saved.
@@ -361,6 +367,7 @@ RefineJob Session::wanted_job() const {
   job.frame_to_frame = settings.frame_to_frame;
   job.occlusion = settings.occlusion;
   job.compare = settings.compare;
+  job.beside = settings.beside;
   job.count_visible = settings.count_visible || settings.compare;
   job.keep_occluder = settings.insets.occluder;
   job.keep_seen = settings.insets.birdseye;

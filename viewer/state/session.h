@@ -84,6 +84,7 @@ struct State {
   bool is_sized_for_cells = false;      // fixed_size is the largest that the cells were built for
   Camera frozen;                        // what is refined for while settings.freeze
   std::optional<Pick> pick;
+  std::vector<glm::dvec3> measured;  // ends of the distance that is measured, world space: at most two
   Playback playback;
   Recording recording;
   double walking_height = 0.0;  // of the eye above the ground; 0: not known yet
@@ -148,6 +149,7 @@ class Session {
  private:
   void take_loaded();
   void add(LoadedFile file);
+  void remember(const std::filesystem::path& file);
   void take_cells(std::shared_ptr<const ViewCells> cells);
   void go_on_playing();
   void go_on_recording(double seconds);

@@ -21,6 +21,8 @@ const char* name_of(OutputKind kind) {
       return "a picture";
     case OutputKind::numbers:
       return "a table";
+    case OutputKind::mesh:
+      return "a mesh";
   }
   return "";
 }

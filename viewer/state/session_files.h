@@ -10,7 +10,7 @@
 
 namespace occlod::viewer {
 
-enum class OutputKind { scene, picture, numbers };
+enum class OutputKind { scene, picture, numbers, mesh };
 
 class SessionFiles {
  public:

@@ -33,8 +33,8 @@ void assign(const Setting& setting, Settings& settings, const JsonPlace& place) 
 
 std::vector<const Setting*> all_settings() {
   std::vector<const Setting*> all;
-  for (const auto& group :
-       {refine_settings(), hlod_settings(), cells_settings(), look_settings(), camera_settings(), window_settings()})
+  for (const auto& group : {refine_settings(), hlod_settings(), cells_settings(), look_settings(), study_settings(),
+                            camera_settings(), window_settings()})
     for (const Setting& setting : group) all.push_back(&setting);
   return all;
 }

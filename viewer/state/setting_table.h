@@ -38,6 +38,7 @@ void assign(const Setting& setting, Settings& settings, const JsonPlace& place);
 [[nodiscard]] std::span<const Setting> hlod_settings();
 [[nodiscard]] std::span<const Setting> cells_settings();
 [[nodiscard]] std::span<const Setting> look_settings();
+[[nodiscard]] std::span<const Setting> study_settings();
 [[nodiscard]] std::span<const Setting> camera_settings();
 [[nodiscard]] std::span<const Setting> window_settings();
 [[nodiscard]] std::vector<const Setting*> all_settings();

@@ -86,6 +86,27 @@ struct CellSettings {
   CellBoxes boxes = CellBoxes::none;
 };
 
+// Names what the right half of the split screen shows of meshes.
+enum class Beside {
+  other,       // the same budget without occlusion
+  full,        // the full meshes
+  difference,  // how far the depth of what is refined is from theirs, in pixels
+};
+
+// Names the axis of world space along which the clipping plane stands.
+enum class ClipAxis { none, x, y, z };
+
+struct ClipSettings {
+  ClipAxis axis = ClipAxis::none;
+  double at = 0.5;    // share of the scene's extent along the axis
+  bool flip = false;  // keep what lies beyond the plane, else what lies before it
+};
+
+// Names what the graph shows of the last pictures.
+enum class Plot { times, triangles, visible, error };
+
+enum class Theme { dark, light };
+
 // Names how mouse and keys move the camera.
 enum class Steering { orbit, fly, walk };
 
@@ -112,6 +133,8 @@ struct WindowSettings {
   bool help = false;
   bool legend = true;
   double scale = 0.0;  // of text and panels; 0: the display's
+  Theme theme = Theme::dark;
+  Plot plot = Plot::times;
 };
 
 struct Settings {
@@ -121,11 +144,14 @@ struct Settings {
   CellSettings cells;
   bool frame_to_frame = true;  // continue from the last picture's mesh; else refine each from scratch
   Occlusion occlusion = Occlusion::software;
-  bool freeze = false;         // refine for the camera of the time when it was set
-  bool compare = false;        // show it beside the same without occlusion
+  bool freeze = false;   // refine for the camera of the time when it was set
+  bool compare = false;  // show something beside it
+  Beside beside = Beside::other;
   bool count_visible = true;   // triangles that own a pixel, by the item buffer
   double playback_rate = 1.0;  // of camera paths, frames per picture
   LookSettings look;
+  ClipSettings clip;
+  bool measure = false;  // clicks measure distances, and pick nothing
   InsetSettings insets;
   Steering steering = Steering::orbit;
   double speed = 0.5;  // fly and walk, scene radii per second

@@ -33,18 +33,20 @@ std::string walked_columns(const PictureRecord& record) {
 void Timeline::write_csv(const std::filesystem::path& file) const {
   AtomicFile target(file);
   target.stream() << "picture,path_frame,refine_ms,occlusion_ms,upload_ms,draw_ms,budget,triangles,visible_triangles,"
-                     "splits,forced_splits,queries,queries_hidden,max_error_px,memory_mb,hash,new_splits,merged_splits,"
+                     "splits,forced_splits,queries,queries_hidden,max_quadric_error_px,max_error_px,memory_mb,hash,new_"
+                     "splits,merged_splits,"
                      "changed_triangles,pending,uploaded_bytes,drawn_nodes,drawn_patches,rarn,delayed,blocked,"
                      "wasted_queries,frame_ms,stall_ms,cell,shown_cell,late,bytes_read,resident_bytes\n";
   for (const PictureRecord& r : records_) {
     target.stream() << fmt::format(
-        "{},{},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{},{},{:.4f},{:.1f},{:016x},{},{},{},{},{},{},{},{},{},{},{},"
+        "{},{},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.1f},{:016x},{},{},{},{},{},{},{},{},{}"
+        ",{},{},"
         "{:.4f},{:.4f},{}\n",
         r.picture, r.path_frame, r.refine_ms, r.occlusion_ms, r.cost.upload_ms, r.cost.draw_ms, r.budget, r.triangles,
-        r.visible_triangles, r.splits, r.forced_splits, r.queries, r.queries_hidden, r.max_error_px, r.memory_mb,
-        r.hash, r.new_splits, r.merged_splits, r.changed_triangles, r.pending ? 1 : 0, r.cost.uploaded_bytes,
-        r.hlod.drawn_nodes, r.hlod.drawn_patches, r.hlod.rarn, r.hlod.delayed, r.hlod.blocked, r.hlod.wasted_queries,
-        r.times.frame_ms, r.times.stall_ms, walked_columns(r));
+        r.visible_triangles, r.splits, r.forced_splits, r.queries, r.queries_hidden, r.max_quadric_error_px,
+        r.max_error_px, r.memory_mb, r.hash, r.new_splits, r.merged_splits, r.changed_triangles, r.pending ? 1 : 0,
+        r.cost.uploaded_bytes, r.hlod.drawn_nodes, r.hlod.drawn_patches, r.hlod.rarn, r.hlod.delayed, r.hlod.blocked,
+        r.hlod.wasted_queries, r.times.frame_ms, r.times.stall_ms, walked_columns(r));
   }
   target.commit();
 }

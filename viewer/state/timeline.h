@@ -38,7 +38,9 @@ struct PictureRecord {
   std::size_t forced_splits = 0;
   std::size_t queries = 0;
   std::size_t queries_hidden = 0;
-  double max_error_px = 0.0;
+  double max_error_px = 0.0;  // a guaranteed bound, often many times the true error; of an HLOD its nodes' error
+  double max_quadric_error_px = 0.0;  // the same of the quadric error, about the root mean square; 0 where only the
+                                      // other is known: of HLODs and cells
   double memory_mb = 0.0;
   std::uint64_t hash = 0;  // of the refinement, or of the front
   // These are 0 unless HLODs are drawn. Then refine_ms is the frame without stalls, occlusion_ms the stalls.

@@ -21,6 +21,8 @@
 #include "hlod/build/group_triangles.h"
 #include "hlod/build/level_draft.h"
 #include "hlod/build/simplify_nodes.h"
+#include "mesh/mesh_report.h"
+#include "mesh/stream_mesh.h"
 #include "occlod/base.h"
 #include "occlod/build_hlod.h"
 #include "occlod/mesh.h"
@@ -39,7 +41,7 @@ class PieceCollector final : public TriangleSink {
   explicit PieceCollector(int threads) : threads_(threads) {}
   // Cleans the piece. Throws Error as TriangleSink says.
   void add(const TriangleMesh& piece) override;
-  void add_left_out(const LeftOut& counts) override { report_.left_out.add(counts); }
+  void add_counts(const MeshReport& of_object) override { add_counts_of_reading(read_, of_object); }
   // Returns the positions of all pieces so far.
   [[nodiscard]] std::span<const glm::vec3> positions() const { return raw_.positions; }
   // Rounds the positions of all pieces to the lattice, and then cleans as clean() does: removes triangles with two
@@ -49,18 +51,20 @@ class PieceCollector final : public TriangleSink {
   // triangles first use them. Vertices at one position become one, and equal attributes there one wedge. Uses up what
   // was collected. O(n log n).
   [[nodiscard]] WedgeMesh weld();
-  // Returns the sums of the counts of cleaning, without topology.
-  [[nodiscard]] const MeshReport& report() const { return report_; }
+  [[nodiscard]] bool has_triangles() const { return !raw_.triangles.empty(); }
+  // Returns what was read and what became of it when `mesh`, the result of weld(), was made.
+  [[nodiscard]] MeshReport report(const WedgeMesh& mesh) const;
 
  private:
   class Welder;
 
-  void count(const MeshReport& of_piece);
+  // Appends a piece without extra wedges, whose vertices are in the order in which triangles first use them.
   void append(const TriangleMesh& piece);
 
   WedgeMesh raw_;  // a vertex per wedge of each piece; `triangles` only
   std::size_t pieces_ = 0;
-  MeshReport report_;
+  MeshReport read_;         // sums of what the source counted
+  MeshReport pieces_read_;  // sums of what pieces show
   int threads_;
 };
 
@@ -107,27 +111,18 @@ class PositionGroups {
 void PieceCollector::add(const TriangleMesh& piece) {
   if (piece.triangles.empty()) return;
   if (!has_proper_triangle(piece)) {
-    report_.triangles_read += piece.triangle_count();
-    report_.repeated_index_triangles += piece.triangle_count();
+    pieces_read_.triangles_read += piece.triangle_count();
     return;
   }
   CleanMesh cleaned = clean(piece, MeshReport{}, fmt::format("piece {}", pieces_), threads_);
   if (pieces_ == 0) raw_.origin = piece.origin;
   move_origin(cleaned.mesh, raw_.origin);
-  count(cleaned.report);
-  append(cleaned.mesh);
+  add_counts_of_reading(pieces_read_, cleaned.report);
+  TriangleMesh in_order = PieceCutter(arrays_of(cleaned.mesh)).cut(0, cleaned.mesh.triangle_count());
+  in_order.materials = std::move(cleaned.mesh.materials);
+  in_order.textures = std::move(cleaned.mesh.textures);
+  append(in_order);
   ++pieces_;
-}
-
-void PieceCollector::count(const MeshReport& of_piece) {
-  report_.vertices_read += of_piece.vertices_read;
-  report_.polygons_read += of_piece.polygons_read;
-  report_.triangles_read += of_piece.triangles_read;
-  report_.unreferenced_vertices += of_piece.unreferenced_vertices;
-  report_.nonfinite_vertices += of_piece.nonfinite_vertices;
-  report_.repeated_index_triangles += of_piece.repeated_index_triangles;
-  report_.vertices_welded += of_piece.vertices_welded;
-  report_.left_out.add(of_piece.left_out);
 }
 
 void PieceCollector::append(const TriangleMesh& piece) {
@@ -169,12 +164,10 @@ void PieceCollector::append(const TriangleMesh& piece) {
 
 void PieceCollector::round(float lattice_step) {
   for (glm::vec3& p : raw_.positions) p = round_to_lattice(p, lattice_step);
-  const std::size_t before = raw_.triangles.size();
   std::erase_if(raw_.triangles, [&](const Triangle& t) {
     const glm::vec3 &a = raw_.positions[t.x], &b = raw_.positions[t.y], &c = raw_.positions[t.z];
     return a == b || b == c || c == a;
   });
-  report_.repeated_index_triangles += before - raw_.triangles.size();
   if (raw_.triangles.empty())
     throw Error({"rounded mesh", "", "has no triangle with three different corners", "quantise with more bits"});
   constexpr VertexId unused = no_id;
@@ -184,7 +177,6 @@ void PieceCollector::round(float lattice_step) {
   VertexId used = 0;
   for (VertexId& v : place)
     if (v != unused) v = used++;
-  report_.unreferenced_vertices += place.size() - used;
   const auto keep_used = [&](auto& values) {
     if (values.empty()) return;
     for (std::size_t v = 0; v < place.size(); ++v)
@@ -211,15 +203,13 @@ class PieceCollector::Welder {
     result_.up = raw_.up;
   }
 
-  WedgeMesh run(MeshReport& report) {
+  WedgeMesh run() {
     number_wedges();
     const std::size_t vertices = sources_.size();
-    report.vertices_welded += raw_.positions.size() - vertices - extras_.size();
     number_triangles(vertices);
     for (const auto& [vertex, source] : extras_) {
       result_.extra_wedges.push_back(vertex);
       sources_.push_back(source);
-      if (result_.extra_wedges.size() == 1 || *(result_.extra_wedges.end() - 2) != vertex) ++report.seam_vertices;
     }
     const auto gather = [&](auto& from, auto& to) {
       to.resize(from.empty() ? 0 : sources_.size());
@@ -353,7 +343,16 @@ class PieceCollector::Welder {
   std::vector<Kind> kinds_;
 };
 
-WedgeMesh PieceCollector::weld() { return Welder(std::move(raw_), thread_count(threads_)).run(report_); }
+WedgeMesh PieceCollector::weld() { return Welder(std::move(raw_), thread_count(threads_)).run(); }
+
+MeshReport PieceCollector::report(const WedgeMesh& mesh) const {
+  MeshReport report = read_.vertices_read > 0 ? read_ : pieces_read_;
+  settle_counts(report, mesh.vertex_count(), mesh.triangles.size());
+  const auto& extra = mesh.extra_wedges;  // by ascending vertex
+  for (std::size_t i = 0; i < extra.size(); ++i) report.seam_vertices += i == 0 || extra[i] != extra[i - 1] ? 1U : 0U;
+  count_topology(std::span(mesh.positions).first(mesh.vertex_count()), mesh.triangles, report, threads_);
+  return report;
+}
 
 constexpr double min_progress = 0.97;  // a level with a larger share of the triangles below it is left out
 constexpr double grouped = 0.15, simplified = 0.85;  // shares of the total time
@@ -461,8 +460,9 @@ float step_of(std::span<const glm::vec3> positions, const HlodBuildOptions& opti
 }  // namespace
 
 Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options) {
+  MeshReport report;
   std::size_t taken = 0;
-  return build_hlod(mesh, options, taken);
+  return build_hlod(mesh, options, report, taken);
 }
 
 Hlod build_hlod(const TriangleSource& source, const HlodBuildOptions& options, MeshReport& report) {
@@ -470,7 +470,7 @@ Hlod build_hlod(const TriangleSource& source, const HlodBuildOptions& options, M
   return build_hlod(source, options, report, taken);
 }
 
-Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options, std::size_t& taken) {
+Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options, MeshReport& report, std::size_t& taken) {
   check_options(options);
   const std::unique_ptr<BuildJournal> journal = open_journal(options);
   check_input(mesh);
@@ -480,8 +480,9 @@ Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options, std::
   if (step == 0.0F) return build(to_wedge_mesh(mesh, threads), step, options, journal.get(), taken);
   TriangleMesh rounded = mesh;
   round_to_lattice(rounded, step);
-  return build(to_wedge_mesh(clean(std::move(rounded), {}, "rounded mesh", options.threads).mesh, threads), step,
-               options, journal.get(), taken);
+  CleanMesh cleaned = clean(std::move(rounded), {}, "rounded mesh", options.threads);
+  report = report_of(report, cleaned);
+  return build(to_wedge_mesh(cleaned.mesh, threads), step, options, journal.get(), taken);
 }
 
 Hlod build_hlod(const TriangleSource& source, const HlodBuildOptions& options, MeshReport& report, std::size_t& taken) {
@@ -489,12 +490,12 @@ Hlod build_hlod(const TriangleSource& source, const HlodBuildOptions& options, M
   const std::unique_ptr<BuildJournal> journal = open_journal(options);
   PieceCollector pieces(options.threads);
   source(pieces);
-  if (pieces.report().triangles_read == pieces.report().repeated_index_triangles)
+  if (!pieces.has_triangles())
     throw Error({"hlod build", "", "the source has no triangle with three different corners", "give one at least"});
   const float step = step_of(pieces.positions(), options);
   if (step > 0.0F) pieces.round(step);
   WedgeMesh mesh = pieces.weld();
-  report = pieces.report();
+  report = pieces.report(mesh);
   return build(std::move(mesh), step, options, journal.get(), taken);
 }
 

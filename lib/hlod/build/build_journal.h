@@ -84,8 +84,10 @@ class BuildJournal {
   std::vector<std::byte> bytes_;  // one record, with its head when it is appended
 };
 
-// As without `taken`, which becomes the number of nodes that the build took over from its journal.
-[[nodiscard]] Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options, std::size_t& taken);
+// As without `taken`, which becomes the number of nodes that the build took over from its journal. `report` is that of
+// a mesh in memory, and counts what rounding changes.
+[[nodiscard]] Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options, MeshReport& report,
+                              std::size_t& taken);
 [[nodiscard]] Hlod build_hlod(const TriangleSource& source, const HlodBuildOptions& options, MeshReport& report,
                               std::size_t& taken);
 

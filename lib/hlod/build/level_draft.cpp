@@ -8,7 +8,7 @@ namespace occlod::hlod {
 
 WedgeMesh to_wedge_mesh(const TriangleMesh& mesh, unsigned threads) {
   WedgeMesh result;
-  const WedgeOrder order = spatial_order_of(mesh, threads);
+  const WedgeOrder order = spatial_order_of(mesh, in_order_of_use(mesh.triangles, mesh.vertex_count()), threads);
   const auto permute = [&](const auto& from, auto& to) {
     to.resize(from.size());
     for_each_id(from.size(), threads, [&](std::uint32_t i) { to[i] = from[order.old_id[i]]; });

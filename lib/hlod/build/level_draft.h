@@ -107,7 +107,8 @@ struct WedgeMesh {
   }
 };
 
-// Returns the same mesh with its vertices along a Morton curve, in the order of in_spatial_order(). O(n).
+// Returns the same mesh with its vertices along a Morton curve; those of one cell are in the order in which triangles
+// first use them, which a mesh that comes in pieces has too. O(n).
 [[nodiscard]] WedgeMesh to_wedge_mesh(const TriangleMesh& mesh, unsigned threads);
 
 // Records that wedge v of a node's input was merged, perhaps through others, into u.

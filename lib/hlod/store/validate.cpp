@@ -344,7 +344,7 @@ namespace {
 // Does what restores() does, for a mesh that has been rounded.
 bool is_level_zero(const Hlod& hlod, const TriangleMesh& mesh) {
   if (hlod.data().input_triangle_count != mesh.triangle_count()) return false;
-  const WedgeAttributes input{mesh.positions, mesh.normals, mesh.colors, mesh.texture_coordinates};
+  WedgeAttributes input{mesh.positions, mesh.normals, mesh.colors, mesh.texture_coordinates, mesh.texture_origin};
   std::vector<CornerKey> restored, given;
   restored.reserve(mesh.triangle_count());
   given.reserve(mesh.triangle_count());
@@ -352,11 +352,13 @@ bool is_level_zero(const Hlod& hlod, const TriangleMesh& mesh) {
     if (hlod.node(n).level > 0) continue;
     hlod.require(n);
     const NodeMesh node = hlod.mesh(n);
-    WedgeAttributes attributes{node.positions, node.normals, node.colors, node.texture_coordinates};
+    WedgeAttributes attributes{node.positions, node.normals, node.colors, node.texture_coordinates,
+                               hlod.data().texture_origin};
     if (!node.positions.empty() && !keep_those_of(input, attributes)) return false;
     for (std::size_t i = 0; i < node.indices.size(); i += 3)
-      restored.push_back(corners_of({node.indices[i], node.indices[i + 1], node.indices[i + 2]}, attributes,
-                                    node.materials.empty() ? MaterialId{0} : node.materials[node.indices[i]]));
+      restored.push_back(corners_of(
+          {node.indices[i], node.indices[i + 1], node.indices[i + 2]}, attributes,
+          node.materials.empty() || mesh.materials.empty() ? MaterialId{0} : node.materials[node.indices[i]]));
   }
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
     given.push_back(corners_of(mesh.wedge_triangles()[t], input, mesh.material_of(t)));

@@ -57,7 +57,8 @@ struct BuildOptions {
 
 // True iff applying all splits gives exactly the triangles of `mesh`: the same positions in the same rotational order,
 // the same number of times, with the same materials, and at each corner the same normal, colour and texture coordinate,
-// bit for bit, as far as the mesh has them. O(n log n).
+// bit for bit, as far as the mesh has them. Of another texture origin, v counts as 1 - v, rounded as write_mesh() rounds
+// it. O(n log n).
 [[nodiscard]] bool restores(const Hierarchy& hierarchy, const TriangleMesh& mesh);
 
 // A cut that does not depend on a view: which splits are applied, and what that gives. All cuts below are closed under
@@ -99,7 +100,7 @@ struct FixedCut {
 [[nodiscard]] TriangleMesh cut_mesh(const Hierarchy& hierarchy, const FixedCut& cut);
 
 // Version of .olod files with an origin; others have version 3, or 2 without texture coordinates, materials and seams.
-// An .olod file holds a hierarchy as versioned, checksummed sections; docs/guide/file_format.md describes the layout.
+// An .olod file holds a hierarchy as versioned, checksummed sections; docs/internals/formats.md describes the layout.
 inline constexpr std::uint32_t olod_version = 4;
 
 // How the arrays of a file are stored.

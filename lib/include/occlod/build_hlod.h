@@ -52,9 +52,9 @@ struct HlodBuildOptions {
 
 // Builds the same from a source that is read once, for meshes larger than memory: keep a MemoryLimit (occlod/base.h)
 // while this runs and while the result is written. Vertices of all pieces at one position become one, triangles with
-// two corners at one place and vertices without triangles go, as clean() has it; `report` is filled in but for
-// topology, which needs the mesh as a whole: those counts stay 0. The bytes are those of build_hlod() of the cleaned
-// mesh. Throws Error as above, for what pieces throw, and for 2^32 or more vertices or triangles.
+// two corners at one place and vertices without triangles go, as clean() has it; `report` is filled in as
+// clean() of the whole mesh does, with the counts of reading that the source tells. The bytes are those of build_hlod()
+// of the cleaned mesh. Throws Error as above, for what pieces throw, and for 2^32 or more vertices or triangles.
 [[nodiscard]] Hlod build_hlod(const TriangleSource& source, const HlodBuildOptions& options, MeshReport& report);
 
 // Refinement within nodes (Charalambos 2006, sec. 4.4): the mesh of a node with some of its collapses undone, so that
@@ -62,7 +62,7 @@ struct HlodBuildOptions {
 
 // A node's mesh with its first splits applied. It may be drawn in place of the node when all the node's parents are
 // refined, or else not drawn and out of sight: it has no patches. Whatever its neighbours are drawn with, no gap opens
-// where borders are locked (docs/decisions/029-cuts_within_nodes.md).
+// where borders are locked (docs/internals/decisions.md#29-cuts-within-nodes).
 struct NodeCut {
   std::uint32_t splits = 0;            // how many; 0: the node's mesh as it is
   std::vector<std::uint16_t> indices;  // three for each triangle: into NodeMesh::positions, then NodeSplits::positions

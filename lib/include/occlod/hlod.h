@@ -32,8 +32,10 @@ class TriangleSink {
   // those before it, perhaps with more behind them, or none. All have the origin of the first piece, or are moved to
   // it. Throws Error as clean() does.
   virtual void add(const TriangleMesh& piece) = 0;
-  // Counts of what the source leaves out of its files; sinks that make no report ignore them.
-  virtual void add_left_out(const LeftOut& /*counts*/) {}
+  // What was counted when one of the objects that the pieces are cut from was read: polygons and vertices as its file
+  // has them, which pieces do not show, vertices that no triangle uses, and what was left out. A source tells it of
+  // each of its objects or of none; sinks that make no report ignore it.
+  virtual void add_counts(const MeshReport& /*of_object*/) {}
 };
 
 // Gives all its triangles to a sink, in pieces of a size that fits into memory, some hundred thousand triangles each.
@@ -260,7 +262,8 @@ class Hlod {
 
 // Returns true iff the nodes of level 0 together are exactly the triangles of `mesh`, rounded to the HLOD's lattice and
 // cleaned if it has one: the same positions in the same rotational order, each as often, with the same material and, at
-// each corner, the same of those attributes that the mesh has, to the bit. O(n log n).
+// each corner, the same of those attributes that the mesh has, to the bit; v of another texture origin counts as 1 - v.
+// O(n log n).
 [[nodiscard]] bool restores(const Hlod& hlod, const TriangleMesh& mesh);
 
 // Tells the same of a source, whose pieces are read once: compares how many triangles there are, and sums of hashes

@@ -103,7 +103,7 @@ class NodeStore {
 
 namespace occlod {
 
-// The .ohlod file: an HLOD as versioned, checksummed sections. The layout is described in docs/guide/hlod.md.
+// The .ohlod file: an HLOD as versioned, checksummed sections. The layout is described in docs/internals/formats.md.
 
 // Version of files with an origin. Others have version 6 when compressed, else 5, or 4 without texture coordinates,
 // materials and seams.

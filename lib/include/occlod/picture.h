@@ -15,6 +15,7 @@
 #include "occlod/bounds.h"
 #include "occlod/item_buffer.h"
 #include "occlod/mesh.h"
+#include "occlod/refiner.h"
 #include "occlod/view.h"
 
 namespace occlod {
@@ -79,10 +80,10 @@ struct ObjectTexture {
 
 // The active triangles of one placed object. The spans need only stay valid during a call.
 struct DrawObject {
-  std::span<const glm::vec3> positions;  // object space
-  std::span<const glm::u8vec4> colors;   // sRGB, one per vertex, or empty
-  std::span<const Triangle> triangles;   // ids into positions
-  glm::dmat4 object_to_world{1.0};       // affine
+  std::span<const glm::vec3> positions;      // object space
+  std::span<const glm::u8vec4> colors = {};  // sRGB, one per vertex, or empty
+  std::span<const Triangle> triangles = {};  // ids into positions
+  glm::dmat4 object_to_world{1.0};           // affine
 };
 
 // Resets the target to the view's size and draws all objects. Triangle i of object k owns its pixels as item (number of
@@ -102,6 +103,10 @@ struct ShadeOptions {
 // The result is the same on every machine. O(pixels).
 [[nodiscard]] Image shade(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view,
                           const ShadeOptions& options = {});
+
+// Draws what a Refiner chose of its objects, which are as many, and shades it. O(triangles + pixels covered).
+[[nodiscard]] Image draw_picture(std::span<const RefineObject> objects, const Refinement& refinement, const View& view,
+                                 const ShadeOptions& options = {});
 
 // Draws the objects as seen from `view`, usually from above, to show where refinement spent its triangles: those that
 // own a pixel of `main_items`, which was drawn for `main_view`, are bright and warm, the others dark and cool. The

@@ -14,7 +14,7 @@
 namespace occlod::hlod {
 
 // Charalambos and others 2007, sec. 4: a blend of mu itself and a sigmoid with its turning point at t. The paper prints
-// no formula; this is the simplest smooth one with the properties that it names (docs/guide/hlod.md).
+// no formula; this is the simplest smooth one with the properties that it names (docs/internals/hlod.md).
 struct Bias {
   double s = 1.0;  // share of the sigmoid, in [0, 1]; 0: mu itself, as in Charalambos 2006
   double t = 0.3;  // turning point, in [0, 1]: below it errors count less than by mu, above it more
@@ -44,7 +44,7 @@ enum class Strategy {
 struct TraverseOptions {
   Strategy strategy = Strategy::coh;  // a change forgets what was visible
   double tolerance_px = 1.0;          // >= 0; 0: the input itself
-  Bias bias;                          // of coh, batch and automatic
+  Bias bias = {};                     // of coh, batch and automatic
   bool geomorph = false;  // vertices slide to the parent's while its error goes from twice tolerance_px to tolerance_px
   // Of HLODs with splits: a node whose error is too large, but whose children's is not, is refined within, to the error
   // that covers tolerance_px, instead of being replaced by children that are better than asked for (Charalambos 2006,

@@ -34,6 +34,12 @@ struct Camera {
 // whole, with a fiftieth to spare. An orthographic camera is treated as if it were in perspective.
 [[nodiscard]] double fitting_distance(const Camera& camera, double radius);
 
+// Returns the camera moved to where it sees a whole sphere or box, from ahead, a little from above and from the right:
+// its target is the centre, the planes near and far enclose it. World units; a radius of 0 counts as the smallest.
+[[nodiscard]] Camera looking_at(const glm::dvec3& center, double radius, Camera camera = {});
+// Returns looking_at() the sphere around the box.
+[[nodiscard]] Camera looking_at(const Box& box, const Camera& camera = {});
+
 // Returns the same camera with parallel rays; at the distance of its target it shows as much.
 [[nodiscard]] Camera orthographic(const Camera& camera);
 

@@ -80,7 +80,7 @@ class CellTree {
 };
 
 // The .vlod file: what to draw in each cell of space, as a tree of what cells have in common. The layout is described
-// in docs/guide/view_cells.md.
+// in docs/internals/formats.md.
 
 // The version of the files that are written; open_vlod() refuses any other.
 inline constexpr std::uint32_t vlod_version = 1;
