@@ -121,7 +121,9 @@ class Wedges(unittest.TestCase):
         self.assertEqual((again.corners.dtype, again.triangle_materials.dtype), (numpy.uint32, numpy.uint16))
         self.assertEqual(looks(again), looks(mesh))
         self.assertEqual((again.texture_origin, mesh.texture_origin), (occlod.TextureOrigin.top_left, occlod.TextureOrigin.bottom_left))
-        self.assertTrue(occlod.build_hierarchy(again, base_triangles=12).restores(mesh))
+        hierarchy = occlod.build_hierarchy(again, base_triangles=12)
+        self.assertTrue(hierarchy.restores(again))
+        self.assertFalse(hierarchy.restores(mesh), "the same numbers from another origin are other places of the images")
 
     def test_are_given_back_by_cuts(self):
         hierarchy = occlod.build_hierarchy(self.mesh, base_triangles=12)
