@@ -11,8 +11,24 @@
 
 namespace occlod {
 
+namespace {
+
+// O(n^2).
+bool has_equal(const Star& star) {
+  for (std::size_t i = 1; i < star.size(); ++i) {
+    const StarFace face = star[i];
+    for (std::size_t k = 0; k < i; ++k)
+      if (star[k] == face) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 void EqualFaces::find(const Star& star) {
   ranks_.clear();
+  constexpr std::size_t few = 16;  // faces that are sooner compared with each other than sorted
+  if (star.size() <= few && !has_equal(star)) return;
   sorted_.clear();
   for (std::uint32_t i = 0; i < star.size(); ++i) sorted_.emplace_back(star[i], i);
   std::sort(sorted_.begin(), sorted_.end(), [](const auto& a, const auto& b) {
@@ -238,7 +254,15 @@ T interpolate(const std::vector<T>& values, const Triangle& wedges, const glm::v
 }
 
 // Returns colour and alpha in [0, 1].
-glm::vec4 color_of(const TriangleMesh& mesh, WedgeId wedge) { return glm::vec4(mesh.colors[wedge]) / 255.0F; }
+glm::vec4 color_of(const TriangleMesh& mesh, WedgeId wedge) {
+  static constexpr std::array<float, 256> shares = [] {
+    std::array<float, 256> result{};
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = static_cast<float>(i) / 255.0F;
+    return result;
+  }();
+  const glm::u8vec4& c = mesh.colors[wedge];
+  return {shares[c.r], shares[c.g], shares[c.b], shares[c.a]};
+}
 
 glm::vec4 color_in(const TriangleMesh& mesh, const Triangle& wedges, const glm::vec3& coordinates) {
   return coordinates.x * color_of(mesh, wedges.x) + coordinates.y * color_of(mesh, wedges.y) +
@@ -267,16 +291,44 @@ void AttributeStar::gather(const StarMesh& mesh, const AttributeState& state, co
     areas_.push_back(glm::length(glm::cross(next_.back(), last_.back())));
   }
   group_charts();
+  kept_.u = no_id;
 }
 
 void AttributeStar::group_charts() {
   order_.resize(faces_.size());
   std::iota(order_.begin(), order_.end(), 0U);
-  std::stable_sort(order_.begin(), order_.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return wedges_[a].x < wedges_[b].x; });
+  const auto before = [&](std::uint32_t a, std::uint32_t b) { return wedges_[a].x < wedges_[b].x; };
+  if (!std::is_sorted(order_.begin(), order_.end(), before)) std::stable_sort(order_.begin(), order_.end(), before);
+  area_ = 0.0F;
+  for (std::size_t begin = 0; begin < order_.size();) {
+    const auto [end, area] = chart_from(begin);
+    area_ += area;
+    begin = end;
+  }
 }
 
-float AttributeStar::choose(VertexId u) {
+// Returns where the chart that begins there ends, and twice its area.
+std::pair<std::size_t, float> AttributeStar::chart_from(std::size_t begin) const {
+  float area = 0.0F;
+  std::size_t end = begin;
+  for (; end < order_.size() && wedges_[order_[end]].x == wedges_[order_[begin]].x; ++end) area += areas_[order_[end]];
+  return {end, area};
+}
+
+void AttributeStar::keep(VertexId u, float deviation2) {
+  kept_.u = u;
+  kept_.deviation2 = deviation2;
+  kept_.wedges.swap(chosen_);
+}
+
+float AttributeStar::settle(VertexId u) {
+  if (kept_.u != u) return choose(u);
+  chosen_.swap(kept_.wedges);
+  kept_.u = no_id;
+  return kept_.deviation2;
+}
+
+float AttributeStar::choose(VertexId u, float most) {
   const std::size_t count = faces_.size();
   const auto at = std::find_if(faces_.begin(), faces_.end(), [&](const StarFace& f) { return contains(f, u); });
   const auto first = static_cast<std::size_t>(at - faces_.begin());
@@ -285,18 +337,21 @@ float AttributeStar::choose(VertexId u) {
   places_.resize(count);
   for (std::size_t f = 0; f < count; ++f)
     if (!contains(faces_[f], u)) places_[f] = place_in({offset, next_[f], last_[f]});
-  float total = 0.0F, area = 0.0F, largest = 0.0F;
-  for (std::size_t begin = 0, end = 0; begin < count; begin = end) {
-    float chart_area = 0.0F;
-    for (end = begin; end < count && wedges_[order_[end]].x == wedges_[order_[begin]].x; ++end)
-      chart_area += areas_[order_[end]];
-    const float deviation = choose_for_chart(begin, end, u, offset);
+  // Charts only add to the total, so one that is too much now stays so, whatever rounding does: hence the margins.
+  constexpr float infinity = std::numeric_limits<float>::infinity(), margin = 1.0F + 1e-5F;
+  const float most_total = most < 1.0F && area_ > 0.0F ? margin * most * area_ : infinity;
+  float total = 0.0F, largest = 0.0F;
+  for (std::size_t begin = 0; begin < count;) {
+    const auto [end, chart_area] = chart_from(begin);
+    const float most_here = chart_area > 0.0F ? margin * (most_total - total) / chart_area : infinity;
+    const float deviation = choose_for_chart(begin, end, u, offset, most_here);
     total += chart_area * deviation;
-    area += chart_area;
+    if (total > most_total) return infinity;
     largest = std::max(largest, deviation);
+    begin = end;
   }
   // The deviation is at most 1, because the whole mesh has an extent of about 1 in this scale.
-  const float mean = area > 0.0F ? total / area : largest;
+  const float mean = area_ > 0.0F ? total / area_ : largest;
   return mean < 1.0F ? mean : 1.0F;
 }
 
@@ -359,11 +414,12 @@ float AttributeStar::deviation2(std::size_t face, const glm::vec3& place, WedgeI
 
 // Returns the largest squared change of colour in the middle of an old edge between v and a corner of the chart, where
 // new edges may cross it. A line between two colours that bends at v may straighten without any change at v itself.
-float AttributeStar::color_change_at_edges2(std::size_t begin, std::size_t end, VertexId u,
-                                            const glm::vec3& offset) const {
+// Returns early with what is more than `most`.
+float AttributeStar::color_change_at_edges2(std::size_t begin, std::size_t end, VertexId u, const glm::vec3& offset,
+                                            float most) const {
   const TriangleMesh& mesh = state_->input;
   float largest = 0.0F;
-  for (std::size_t i = begin; i < end; ++i) {
+  for (std::size_t i = begin; i < end && !(largest > most); ++i) {
     const std::uint32_t edge = order_[i];
     const glm::vec3 middle = 0.5F * next_[edge];
     Place nearest;
@@ -385,8 +441,10 @@ float AttributeStar::color_change_at_edges2(std::size_t begin, std::size_t end, 
   return largest;
 }
 
-// Chooses the wedge of u for the faces order_[begin, end), which form one chart. Returns the squared deviation.
-float AttributeStar::choose_for_chart(std::size_t begin, std::size_t end, VertexId u, const glm::vec3& offset) {
+// Chooses the wedge of u for the faces order_[begin, end), which form one chart. Returns the squared deviation, or,
+// early, less of it that is more than `most`.
+float AttributeStar::choose_for_chart(std::size_t begin, std::size_t end, VertexId u, const glm::vec3& offset,
+                                      float most) {
   const float length2 = glm::dot(offset, offset);
   candidates_.clear();
   std::size_t best_place = no_id;
@@ -427,9 +485,14 @@ float AttributeStar::choose_for_chart(std::size_t begin, std::size_t end, Vertex
     if (!contains(faces_[order_[i]], u)) chosen_[order_[i]] = is_split ? cheapest(i, i + 1) : of_all;
   if (best_place == no_id) return 0.0F;
   float slip2 = deviation2(best_place, places_[best_place].nearest, chosen_[best_place], length2);
-  if (!state_->input.colors.empty())
-    slip2 = std::max(slip2, color_weight * color_weight * length2 * color_change_at_edges2(begin, end, u, offset));
-  return std::min(slip2, state_->extents2[wedges_[order_[begin]].x]);
+  const float extent = state_->extents2[wedges_[order_[begin]].x];
+  if (!state_->input.colors.empty() && !(std::min(slip2, extent) > most)) {
+    const float per_change = color_weight * color_weight * length2;
+    const float most_change = extent > most && per_change > 0.0F ? (1.0F + 1e-5F) * most / per_change
+                                                                 : std::numeric_limits<float>::infinity();
+    slip2 = std::max(slip2, per_change * color_change_at_edges2(begin, end, u, offset, most_change));
+  }
+  return std::min(slip2, extent);
 }
 
 void AttributeStar::list_merges(VertexId v, VertexId u, std::vector<WedgeMerge>& merges) const {

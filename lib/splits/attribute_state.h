@@ -8,6 +8,7 @@
 #include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -122,8 +123,13 @@ class AttributeStar {
 
   // Chooses the wedges of u. Returns the mean square, over the star's area and in the state's scale, of the attribute
   // deviation at v: the difference between v's attributes and those that the new faces interpolate at v's position,
-  // expressed as a length on the surface. A chart that vanishes counts with its extent.
-  [[nodiscard]] float choose(VertexId u);
+  // expressed as a length on the surface. A chart that vanishes counts with its extent. Returns infinity, and leaves
+  // the wedges unchosen, as soon as the result is known to be more than `most`.
+  [[nodiscard]] float choose(VertexId u, float most = std::numeric_limits<float>::infinity());
+  // Keeps the last choice for settle().
+  void keep(VertexId u, float deviation2);
+  // Makes the choice for u, which may have been kept, the last one. Returns what choose(u) does.
+  [[nodiscard]] float settle(VertexId u);
   // Returns the wedge that choose() assigned to u in each face; no_id for faces that contain u.
   [[nodiscard]] std::span<const WedgeId> wedges_of_u() const noexcept { return chosen_; }
   // Appends, for the u of the last choose(), one merge per chart, charts that vanish included.
@@ -138,12 +144,21 @@ class AttributeStar {
     bool is_known = false;      // whether the face has an area
   };
 
+  // The choice for one neighbour.
+  struct Kept {
+    VertexId u = no_id;
+    float deviation2 = 0.0F;
+    std::vector<WedgeId> wedges;  // per face
+  };
+
   void group_charts();
+  [[nodiscard]] std::pair<std::size_t, float> chart_from(std::size_t begin) const;
   [[nodiscard]] static Place place_in(const std::array<glm::vec3, 3>& corners);
   [[nodiscard]] float deviation2(std::size_t face, const glm::vec3& place, WedgeId wedge_of_u, float length2) const;
-  [[nodiscard]] float color_change_at_edges2(std::size_t begin, std::size_t end, VertexId u,
-                                             const glm::vec3& offset) const;
-  [[nodiscard]] float choose_for_chart(std::size_t begin, std::size_t end, VertexId u, const glm::vec3& offset);
+  [[nodiscard]] float color_change_at_edges2(std::size_t begin, std::size_t end, VertexId u, const glm::vec3& offset,
+                                             float most) const;
+  [[nodiscard]] float choose_for_chart(std::size_t begin, std::size_t end, VertexId u, const glm::vec3& offset,
+                                       float most);
   void list_candidates(WedgeId own, VertexId u);
   [[nodiscard]] float extent2(std::size_t begin, std::size_t end) const;
 
@@ -153,9 +168,11 @@ class AttributeStar {
   std::vector<Triangle> wedges_;
   std::vector<glm::vec3> next_, last_;  // per face, relative to v
   std::vector<float> areas_;            // twice the area of each face
+  float area_ = 0.0F;                   // their sum, chart by chart
   std::vector<std::uint32_t> order_;    // faces sorted by chart
   std::vector<Place> places_;
   std::vector<WedgeId> chosen_;
+  Kept kept_;
   std::vector<WedgeId> candidates_;
 };
 

@@ -271,9 +271,14 @@ CollapseWorker::Choice CollapseWorker::choose_with_attributes(std::span<const Ve
         is_fan ? fan_.keeps_orientation(i) && fan_.keeps_topology(state_.mesh, i)
                : keeps_surface(state_.mesh, ring_, i) && keeps_orientation(state_.mesh, state_.positions(), v, ring[i]);
     if (!is_allowed) continue;
-    const float total = cost + weight * attributes_.choose(ring[i]);
+    // No total within the best is above this, whatever rounding does.
+    const float most = (1.0F + 1e-6F) * ((best.cost - cost) / weight);
+    const float deviation2 = attributes_.choose(ring[i], most);
+    const float total = cost + weight * deviation2;
     ++evaluated;
-    if (total < best.cost) best = {ring[i], total, true, i};
+    if (!(total < best.cost)) continue;
+    best = {ring[i], total, true, i};
+    attributes_.keep(ring[i], deviation2);
   }
   return best.u == no_id ? break_topology(ring, v) : best;
 }
@@ -317,7 +322,7 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
   const VertexId u = choice.u;
   const auto id = static_cast<CollapseId>(CollapseRecords::first_id(block_->record) + made_.size());
   const std::size_t first_ended = ended_.size(), first_corners = corners_.size();
-  const float deviation2 = state_.attributes != nullptr ? attributes_.choose(u) : 0.0F;
+  const float deviation2 = state_.attributes != nullptr ? attributes_.settle(u) : 0.0F;
   faces_gone_ += state_.mesh.collapse(v, u, id, !choice.keeps_topology, arena_, ended_);
   const glm::vec3 edge = state_.edge(v, u);
   float error = std::sqrt(state_.vertices[v].quadric.mean_square(edge));
