@@ -26,10 +26,11 @@ class Digest {
   void add(std::span<const T> values) {
     XXH3_64bits_update(&state_, values.data(), values.size_bytes());
   }
-  // Adds a range of an array to the digest; attribute arrays may be empty.
+  // Adds a range of an array to the digest, as far as it is there: attribute arrays may be empty, and arrays of a
+  // hierarchy that nobody has checked too short.
   template <typename T>
   void add(std::span<const T> values, std::size_t first, std::size_t count) {
-    if (!values.empty()) add(values.subspan(first, count));
+    if (first < values.size()) add(values.subspan(first, std::min(count, values.size() - first)));
   }
   [[nodiscard]] std::uint64_t value() const { return XXH3_64bits_digest(&state_); }
 
@@ -83,7 +84,7 @@ std::uint64_t digest_of_block(const HierarchyView& view, std::size_t block) {
   if (!view.corner_starts.empty()) {
     digest.add(view.corner_starts, first, end + 1 - first);
     const std::size_t corner = view.corner_starts[first];
-    digest.add(view.corners.subspan(corner, view.corner_starts[end] - corner));
+    digest.add(view.corners, corner, view.corner_starts[end] - corner);
   }
   digest.add(view.attribute_errors, first, end - first);
   add_vertices(view, vertex_count(view) - split_count(view) + first, end - first, digest);
