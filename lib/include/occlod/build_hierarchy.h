@@ -57,8 +57,8 @@ struct BuildOptions {
 
 // True iff applying all splits gives exactly the triangles of `mesh`: the same positions in the same rotational order,
 // the same number of times, with the same materials, and at each corner the same normal, colour and texture coordinate,
-// bit for bit, as far as the mesh has them. Of another texture origin, v counts as 1 - v, rounded as write_mesh() rounds
-// it. O(n log n).
+// bit for bit, as far as the mesh has them. Of another texture origin, v counts as 1 - v, rounded as write_mesh()
+// rounds it. O(n log n).
 [[nodiscard]] bool restores(const Hierarchy& hierarchy, const TriangleMesh& mesh);
 
 // A cut that does not depend on a view: which splits are applied, and what that gives. All cuts below are closed under

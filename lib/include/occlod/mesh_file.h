@@ -35,8 +35,8 @@ namespace occlod {
 // Names of images are relative to `image_folder`, or to the folder of `path`. GLB holds the images, those of files too;
 // beside OBJ and PLY those that the mesh holds become files, and names of others lead to where they are. Returns a line
 // for each image that is not there, whose name is written as it is, for each that glTF lacks, such as TGA, which is
-// left out of a GLB file, and for materials of which OBJ or PLY lose something: MTL has base colour, roughness, metallic
-// and emission, and maps of base colour, emission and normals; PLY has textures of base colours only.
+// left out of a GLB file, and for materials of which OBJ or PLY lose something: MTL has base colour, roughness,
+// metallic and emission, and maps of base colour, emission and normals; PLY has textures of base colours only.
 std::vector<std::string> write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
 // Writes it with the images of a folder.
 std::vector<std::string> write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh,
