@@ -85,6 +85,29 @@ TEST_F(Study, ExportOverwritesNothingThatIsRead) {
             std::string::npos);
 }
 
+// An image inside a GLB file becomes a file beside an OBJ file.
+TEST_F(Study, ExportOverwritesNothingWithImages) {
+  TriangleMesh mesh;
+  mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+  mesh.texture_coordinates = {{0, 0}, {1, 0}, {0, 1}};
+  mesh.triangles = {{0, 1, 2}};
+  mesh.triangle_materials = {0};
+  mesh.materials.emplace_back().texture = 0;
+  mesh.textures.emplace_back().mime_type = "image/png";
+  mesh.textures[0].bytes = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  const fs::path glb = folder_.path("brick.glb");
+  write_mesh(glb, mesh);
+  act(session_, {{"do", "open"}, {"file", glb.string()}});
+  act(session_, {{"do", "camera"}, {"eye", {0, 0, 3}}, {"target", {0, 0, 0}}, {"orthographic_height", 3}});
+  session_.files().add_input(folder_.path("wall_0.png"), "the script");
+  EXPECT_NE(refusal({{"do", "export_mesh"}, {"file", folder_.path("wall.obj").string()}}).find("is the script"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_.path("wall.obj")));
+  EXPECT_FALSE(fs::exists(folder_.path("wall_0.png")));
+  act(session_, {{"do", "export_mesh"}, {"file", folder_.path("other.obj").string()}});
+  EXPECT_TRUE(fs::exists(folder_.path("other_0.png")));
+}
+
 // Neighbouring nodes meet in the same places: their vertices become one.
 TEST_F(Study, ExportsTheNodesOfAnHlodAsOneMesh) {
   act(session_, {{"do", "set"}, {"setting", "device"}, {"value", "software"}});

@@ -15,7 +15,7 @@ namespace occlod::viewer {
 
 // Tells how far the depth of a picture is from that of the full meshes. Never changes.
 struct DepthDifference {
-  Image image;                       // in the colours of difference_color()
+  Image image;                       // in the colours of error_color(), and two for what only one of them shows
   double rms_px = 0.0;               // see PictureDistance::depth_rms_px
   double silhouette_mismatch = 0.0;  // see PictureDistance
 };

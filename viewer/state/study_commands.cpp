@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "arguments.h"
+#include "base/atomic_file.h"
 #include "command.h"
 #include "mesh/mesh_files.h"
 #include "navigation.h"
@@ -24,9 +25,13 @@ void export_mesh(Session& session, const JsonPlace& action) {
   check_mesh_output(file);
   std::vector<std::filesystem::path> files = {file};
   if (find_format(file) == MeshFormat::obj) files.push_back(std::filesystem::path(file).replace_extension(".mtl"));
-  session.files().add_outputs(place, files, OutputKind::mesh, *session.state().objects);
+  const auto add_outputs = [&](const std::vector<std::filesystem::path>& outputs) {
+    session.files().add_outputs(place, outputs, OutputKind::mesh, *session.state().objects);
+  };
+  add_outputs(files);
   const TriangleMesh mesh = shown_mesh(*frame, file);
   if (mesh.triangles.empty()) action.fail("nothing is shown", "turn the camera to a mesh");
+  const WriteGuard images([&](const std::filesystem::path& path) { add_outputs({path}); });
   for (const std::string& note : write_mesh(file, mesh)) session.notify(note);
   session.notify(fmt::format("wrote {}: {} triangles", file.string(), mesh.triangle_count()));
 }
