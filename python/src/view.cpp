@@ -41,9 +41,10 @@ void bind_view(nb::module_& m) {
       .def_static(
           "looking_at",
           [](const nb::object& what, const Camera& camera) {
-            const auto [low, high] = nb::cast<std::pair<glm::vec3, glm::vec3>>(
-                nb::hasattr(what, "box") ? nb::object(what.attr("box")) : what);
-            return looking_at(Box{low, high}, camera);
+            std::pair<glm::vec3, glm::vec3> box;
+            if (!nb::try_cast(nb::hasattr(what, "box") ? nb::object(what.attr("box")) : what, box))
+              throw nb::type_error("looking_at() takes a Hierarchy, an Hlod or two corners of a box");
+            return looking_at(Box{box.first, box.second}, camera);
           },
           "what"_a, "camera"_a = standard,
           nb::sig("def looking_at(what: Hierarchy | Hlod | tuple[collections.abc.Sequence[float], "

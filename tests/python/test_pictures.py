@@ -34,6 +34,16 @@ class Pictures(unittest.TestCase):
         mesh.positions[:] *= 0.5
         self.assertFalse(numpy.array_equal(occlod.draw_items([draw], VIEW).nearness, before))
 
+    def test_cameras_look_at_what_is_given(self):
+        _, hierarchy = planet(3)
+        camera = occlod.Camera.looking_at(hierarchy, occlod.Camera(width=64, height=48))
+        self.assertEqual((camera.width, camera.height), (64, 48))
+        numpy.testing.assert_allclose(camera.target, numpy.mean(hierarchy.box, axis=0), atol=1e-6)
+        self.assertEqual(occlod.Camera.looking_at(hierarchy.box, camera), camera)
+        for wrong in (3, "planet", None, [0, 0, 0]):
+            with self.assertRaisesRegex(TypeError, r"looking_at\(\)"):
+                occlod.Camera.looking_at(wrong)
+
     def test_shaded_and_written(self):
         mesh, hierarchy = planet(4)
         image = occlod.picture(mesh, VIEW, wire=False)

@@ -40,12 +40,11 @@ struct PictureDistance {
 [[nodiscard]] std::size_t count_unexplained_pixels(const View& view, const DepthBuffer& expected,
                                                    const DepthBuffer& found, double allowed_px);
 
-// Counts the pixels at which `found` lacks what `full` shows, when what `found` shows may have moved by allowed_px
-// pixels
-// (>= 0) and what is thinner than that may be missing. A pixel counts when all that `full` has within r pixels around
-// it is nearer, by more than r pixels at its depth, than all that `found` has there; background is infinitely far. r is
-// ceil(allowed_px) + 1, where the one more is for rounding to pixels, and 0 for allowed_px = 0. So of a wide surface
-// that is missing all but a rim of r pixels counts, and silhouettes that moved do not. O(pixels * allowed_px).
+// Counts the pixels at which `found` lacks what `full` shows, when what `found` shows may have moved by allowed_px (>=
+// 0) pixels and what is thinner than that may be missing. A pixel counts when all that `full` has within r pixels
+// around it is nearer, by more than r pixels at its depth, than all that `found` has there; background is infinitely
+// far. r is ceil(allowed_px) + 1, where the one more is for rounding to pixels, and 0 for allowed_px = 0. So of a wide
+// surface that is missing, all but a rim of r pixels counts, and silhouettes that moved do not. O(pixels * allowed_px).
 [[nodiscard]] std::size_t count_lost_pixels(const View& view, const DepthBuffer& full, const DepthBuffer& found,
                                             double allowed_px);
 
