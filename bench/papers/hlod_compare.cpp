@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <deque>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "command_files.h"
+#include "hlod/draw/node_images.h"
 #include "hlod_cache.h"
 #include "hlod_options.h"
 #include "hlod_report.h"
@@ -75,11 +77,11 @@ void check(const Options& options, const HlodRequest& request, CommandFiles& fil
     files.add_output("--boxes", boxes_file(options, request.frames, i));
 }
 
-std::vector<TrialDevice> make_devices(const Options& options) {
+std::vector<TrialDevice> make_devices(const Options& options, const std::shared_ptr<hlod::NodeImages>& images) {
   std::vector<TrialDevice> devices;
   if (!options.replay.empty()) devices.push_back(replaying_device(options.replay));
   for (const std::string& name : options.devices)
-    if (options.replay.empty()) devices.push_back(make_trial_device(name));
+    if (options.replay.empty()) devices.push_back(make_trial_device(name, images));
   const auto strategies = chosen_strategies(options);
   if (!options.replay.empty() && options.costs.calibration.empty() &&
       std::ranges::any_of(strategies, [](hlod::TrialStrategy s) { return hlod::needs_costs(s); }))
@@ -141,12 +143,13 @@ void run(const Options& options) {
   const HlodRequest request = describe_hlod_request(scene_options);
   CommandFiles files;
   check(options, request, files);
-  const std::vector<TrialDevice> devices = make_devices(options);
+  const auto images = std::make_shared<hlod::NodeImages>();  // which all runs draw, one frame after the other
+  const std::vector<TrialDevice> devices = make_devices(options, images);
   const HlodScene scene = load_hlod_scene(scene_options, request);
   for (const LoadedHlod& loaded : scene.hlods)
     if (options.cache && loaded.hlod->store() != nullptr) hlod::simulate_link(*loaded.hlod->store(), *options.cache);
   const std::vector<hlod::DeviceCosts> costs = costs_of(devices, options.costs, chosen_strategies(options));
-  hlod::SoftwareDevice oracle;
+  hlod::VirtualDevice oracle(hlod::device_presets().front(), images);  // whose time does not count
   Drawn drawn = plan(options, devices, costs, oracle);
   std::optional<hlod::RecordingDevice> recorder;
   if (!options.record.empty()) drawn.runs.front().device = &recorder.emplace(*devices.front().device);

@@ -147,10 +147,10 @@ Json to_json(const hlod::TrialCacheOptions& options) {
   return {{"budget_bytes", options.budget_bytes}, {"load", load}};
 }
 
-TrialDevice make_trial_device(const std::string& name) {
+TrialDevice make_trial_device(const std::string& name, const std::shared_ptr<hlod::NodeImages>& images) {
   if (!name.starts_with(virtual_prefix)) return {name, make_hlod_device(name).device, std::nullopt};
   hlod::DeviceCosts costs = hlod::device_preset(name.substr(virtual_prefix.size()));
-  auto device = std::make_unique<hlod::VirtualDevice>(costs);
+  auto device = std::make_unique<hlod::VirtualDevice>(costs, images);
   costs.name = name;
   return {name, std::move(device), std::move(costs)};
 }

@@ -17,6 +17,10 @@ namespace CLI {
 class App;
 }
 
+namespace occlod::hlod {
+class NodeImages;
+}
+
 namespace occlod::tool {
 
 // In the order in which help lists them.
@@ -42,8 +46,10 @@ struct TrialDevice {
 // For help.
 inline constexpr const char* trial_device_names = "software, virtual:PRESET, gl, egl or osmesa";
 
-// One of those. Throws Error for any other name, and when this machine or build has no such device.
-[[nodiscard]] TrialDevice make_trial_device(const std::string& name);
+// One of those; `images` are for simulated ones, see SoftwareDrawing::share_images(). Throws Error for any other name,
+// and when this machine or build has no such device.
+[[nodiscard]] TrialDevice make_trial_device(const std::string& name,
+                                            const std::shared_ptr<hlod::NodeImages>& images = nullptr);
 // Answers as the recording says. Throws Error.
 [[nodiscard]] TrialDevice replaying_device(const std::string& file);
 

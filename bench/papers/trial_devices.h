@@ -14,6 +14,9 @@
 
 namespace occlod::hlod {
 
+class NodeImages;
+class SoftwareDrawing;
+
 // Two clocks start each frame at 0: c of the calling thread, g of the device. A command adds submit_ns to c; it starts
 // on the device at max(c, g), takes what DeviceCosts says with the fragments that it really has, and g is then its end.
 // A visit adds visit_ns to c. An answer can be read readback_ns after its query has ended: available() compares that
@@ -23,7 +26,8 @@ namespace occlod::hlod {
 class VirtualDevice final : public RenderDevice {
  public:
   // Throws Error for a cost that is negative or not finite.
-  explicit VirtualDevice(DeviceCosts costs);
+  // `images`: see SoftwareDrawing::share_images().
+  explicit VirtualDevice(DeviceCosts costs, std::shared_ptr<NodeImages> images = nullptr);
   ~VirtualDevice() override;
 
   // "virtual:" and the name of the costs.
@@ -38,7 +42,7 @@ class VirtualDevice final : public RenderDevice {
   FrameTimes end_frame() override;
 
   // What draws and counts: its picture and its work.
-  [[nodiscard]] const SoftwareDevice& software() const noexcept;
+  [[nodiscard]] const SoftwareDrawing& software() const noexcept;
   // As given.
   [[nodiscard]] const DeviceCosts& costs() const noexcept;
 

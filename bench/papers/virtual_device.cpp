@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/file_input.h"
+#include "hlod/draw/software_drawing.h"
 #include "hlod/draw/virtual_clock.h"
 #include "occlod/base.h"
 #include "papers/trial_devices.h"
@@ -75,12 +77,14 @@ constexpr double box_triangles = 12.0;
 
 class VirtualDevice::Impl {
  public:
-  explicit Impl(DeviceCosts costs) : costs_(std::move(costs)), name_("virtual:" + costs_.name) {
+  Impl(DeviceCosts costs, std::shared_ptr<NodeImages> images)
+      : costs_(std::move(costs)), name_("virtual:" + costs_.name) {
     check_device_costs("virtual device", costs_);
+    software_.share_images(std::move(images));
   }
 
   void begin(const View& view, std::span<const PlacedHlod> objects) {
-    software_.begin_frame(view, objects);
+    software_.begin(view, objects);
     clock_.begin();
     queries_.clear();
   }
@@ -120,18 +124,15 @@ class VirtualDevice::Impl {
     assert(query < queries_.size());
     clock_.wait_until(queries_[query].ready_ns);
     queries_[query].ready_commands = 0;  // read is read
-    return software_.wait(query);
+    return software_.answer(query);
   }
 
   void visit(std::size_t nodes) { clock_.work(static_cast<double>(nodes) * costs_.visit_ns); }
 
-  FrameTimes end() {
-    software_.end_frame();
-    return clock_.times();
-  }
+  FrameTimes end() { return clock_.times(); }
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
-  [[nodiscard]] const SoftwareDevice& software() const noexcept { return software_; }
+  [[nodiscard]] const SoftwareDrawing& software() const noexcept { return software_; }
   [[nodiscard]] const DeviceCosts& costs() const noexcept { return costs_; }
 
  private:
@@ -158,12 +159,13 @@ class VirtualDevice::Impl {
 
   DeviceCosts costs_;
   std::string name_;
-  SoftwareDevice software_;
+  SoftwareDrawing software_{false};
   VirtualClock clock_;
   std::vector<Query> queries_;  // of this frame
 };
 
-VirtualDevice::VirtualDevice(DeviceCosts costs) : impl_(std::make_unique<Impl>(std::move(costs))) {}
+VirtualDevice::VirtualDevice(DeviceCosts costs, std::shared_ptr<NodeImages> images)
+    : impl_(std::make_unique<Impl>(std::move(costs), std::move(images))) {}
 VirtualDevice::~VirtualDevice() = default;
 
 std::string_view VirtualDevice::name() const noexcept { return impl_->name(); }
@@ -175,7 +177,7 @@ bool VirtualDevice::available(QueryId query) { return impl_->available(query); }
 std::span<const std::uint32_t> VirtualDevice::wait(QueryId query) { return impl_->wait(query); }
 void VirtualDevice::visit(std::size_t nodes) { impl_->visit(nodes); }
 FrameTimes VirtualDevice::end_frame() { return impl_->end(); }
-const SoftwareDevice& VirtualDevice::software() const noexcept { return impl_->software(); }
+const SoftwareDrawing& VirtualDevice::software() const noexcept { return impl_->software(); }
 const DeviceCosts& VirtualDevice::costs() const noexcept { return impl_->costs(); }
 
 std::span<const DeviceCosts> device_presets() { return presets(); }
