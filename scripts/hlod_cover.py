@@ -1,7 +1,7 @@
-"""Fig. 3 of Guthe, Balazs and Klein 2006: how often boxes are covered, beside how probable both readings of p_cov hold it."""
+"""Fig. 3 of Guthe, Balazs and Klein 2006: how often boxes are covered, beside how probable p_cov holds it, theirs and ours."""
 import hlod_table4
 
-MODELS = ("printed", "corrected")
+MODELS = ("printed", "in_scene")
 SOURCES = ("ellipsoids", *hlod_table4.SCENES)
 
 
@@ -14,11 +14,11 @@ def print_cover(document, results):
     if not found:
         return
     document.heading("Guthe, Balazs and Klein 2006, fig. 3")
-    document.text("How often the box of an object, or of a node, is covered by what is nearer to the eye, beside p_cov as printed and as corrected. Random ellipsoids as theirs, "
+    document.text("How often the box of an object, or of a node, is covered by what is nearer to the eye, beside p_cov as printed and of the part of the image that the scene covers. Random ellipsoids as theirs, "
                   "and the nodes of our scenes; difference: root mean square by c_scr and c_bb.")
     rows = []
     for source, told in found.items():
         objects = sum(cell["objects"] for cell in told["by_coverage"])
         means = [sum(cell["objects"] * cell[key] for cell in told["by_coverage"]) / objects for key in ("hidden", *MODELS)]
         rows.append([source, f"{objects:,.0f}", *(f"{mean:.3f}" for mean in means), *(shown(told["models"][model]["difference"]) for model in MODELS), told["hash"]])
-    document.table(["", "boxes", "covered", "as printed", "as corrected", "difference, printed", "corrected", "hash"], rows)
+    document.table(["", "boxes", "covered", "as printed", "of the scene", "difference, printed", "of the scene", "hash"], rows)

@@ -28,6 +28,7 @@ NESTED_TRIANGLES = {"hlod_12m": 2600}  # for about as many nodes as the papers h
 TOLERANCES = (0.5, 0.7, 1, 1.4, 2)
 GUTHE = {"plant": "around", "city": "walk", "dragon_alone": "around", "car": "around"}  # the scenes of Guthe and others 2006, and their paths
 PRESETS = "virtual:query-cheap,virtual:query-dear,virtual:fill-bound,virtual:modern"
+PRINTED = ("--cover-model", "printed")  # as Guthe and others
 TABLE_4 = "vfc,bool,coh,chc++,nohc,optimum,two-pass,cesium,batch,auto"
 KINDS = {"nested": ("--grouping", "nested", "--borders", "free"), "shifted": (),
          "objects": ("--grouping", "nested", "--borders", "free", "--node-triangles", 1000)}  # of at most 1,000 triangles, as in Guthe and others 2006
@@ -45,8 +46,11 @@ class Effort:
     pop_frames: int = 60
     llvmpipe_frames: int = 30
     fronts: int = 10_000
-    # Of the paths of GUTHE, from their beginning, as fast as they are. All of the plant is in view, so five frames of it take as long as all others.
+    # Of the paths of GUTHE, from their beginning. All of the plant is in view, so a frame of it takes as long as a hundred of the others.
     guthe: dict = dataclasses.field(default_factory=lambda: {"plant": 0.03, "city": 1.0, "dragon_alone": 1.0, "car": 0.5})
+    # How many times as many frames that part has: what is visible is asked about after some 50 to 300 frames.
+    guthe_frames: dict = dataclasses.field(default_factory=lambda: {"plant": 1, "city": 10, "dragon_alone": 10, "car": 10})
+    lengths: dict = dataclasses.field(default_factory=lambda: {"plant": (1, 16, 60), "city": (1, 2.5, 10), "dragon_alone": (1, 2.5, 10), "car": (1, 2.5, 10)})
     llvmpipe_share: float = 0.15  # of these shares
     leaves_share: float = 0.15
     splits: tuple = tuple(hlod_splits.SCENES)  # along their whole paths
@@ -57,9 +61,11 @@ class Effort:
 
 
 QUICK = Effort(scenes=("hlod_row", "hlod_grid"), session_frames=20, walk_frames=20, slow_frames=100, compared=3, crack_frames=2, error_frames=2, pop_frames=4,
-               llvmpipe_frames=3, fronts=100, guthe={"city": 0.3, "dragon_alone": 0.25}, llvmpipe_share=0.1, leaves_share=0.2, splits=("armadillo", "city"), cover_frames=4, cover_images=3)
+               llvmpipe_frames=3, fronts=100, guthe={"city": 0.3, "dragon_alone": 0.25},
+               guthe_frames={"city": 1, "dragon_alone": 1}, lengths={"dragon_alone": (1, 4)}, llvmpipe_share=0.1, leaves_share=0.2, splits=("armadillo", "city"), cover_frames=4, cover_images=3)
 # Of scenes of some thousand triangles (bench/scenes/small): whether everything is there, not what it is worth.
 SMALL = Effort(session_frames=6, walk_frames=8, slow_frames=8, compared=2, crack_frames=1, error_frames=1, pop_frames=1, llvmpipe_frames=2, fronts=4, guthe=dict.fromkeys(GUTHE, 0.2),
+               guthe_frames=dict.fromkeys(GUTHE, 1), lengths=dict.fromkeys(GUTHE, (1, 2)),
                llvmpipe_share=0.1, leaves_share=0.1, splits=("city",), cover_frames=2, cover_images=1, size="192x144", guthe_size="192x144")
 
 
@@ -182,20 +188,27 @@ class Runs:
         programs run; llvmpipe runs alone."""
         with concurrent.futures.ThreadPoolExecutor(2) as pool:
             list(pool.map(self.simulated_table_4, self.effort.guthe))
+            list(pool.map(self.lengths, self.effort.lengths))
         for scene, share in self.effort.guthe.items():
             self.guthe(f"table4gl_{scene}", scene, share * self.effort.llvmpipe_share, "--strategies", TABLE_4, "--device", "gl", LP_NUM_THREADS="2")
 
     def simulated_table_4(self, scene):
-        share = self.effort.guthe[scene]
-        self.guthe(f"table4_{scene}", scene, share, "--strategies", TABLE_4, "--device", PRESETS)
-        self.guthe(f"table4corrected_{scene}", scene, share, "--strategies", "nohc", "--device", PRESETS, "--cover-model", "corrected")
-        self.guthe(f"table4leaves_{scene}", scene, share * self.effort.leaves_share, "--strategies", "vfc,bool,nohc,optimum", "--device", PRESETS, "--tolerance", 0)
+        share, times = self.effort.guthe[scene], self.effort.guthe_frames[scene]
+        self.guthe(f"table4_{scene}", scene, share, "--strategies", TABLE_4, "--device", PRESETS, times=times)
+        self.guthe(f"table4printed_{scene}", scene, share, "--strategies", "nohc", "--device", PRESETS, *PRINTED, times=times)
+        self.guthe(f"table4leaves_{scene}", scene, share * self.effort.leaves_share, "--strategies", "vfc,bool,nohc,optimum", "--device", PRESETS, "--tolerance", 0, *PRINTED)
         if scene == "city":  # where little is hidden
             self.guthe("figure8_city", scene, share, "--strategies", "vfc,bool,nohc,optimum,batch,auto", "--device", "virtual:query-dear", path="fly_over")
 
-    def guthe(self, name, scene, share, *options, path=None, **environment):
+    def lengths(self, scene):
+        """The same part of the path in more frames."""
+        for times in self.effort.lengths[scene]:
+            for name, strategies, model in (("lengthprinted", "nohc,optimum", PRINTED), ("length", "nohc", ())):
+                self.guthe(f"{name}_{scene}_{times:g}", scene, self.effort.guthe[scene], "--strategies", strategies, "--device", "virtual:query-cheap", *model, times=times)
+
+    def guthe(self, name, scene, share, *options, path=None, times=1, **environment):
         path = path or GUTHE[scene]
-        cameras = part_of_path(self.scene_file(scene), path, share, self.out / f"{scene}_{path}_{share:g}.cameras.json")
+        cameras = part_of_path(self.scene_file(scene), path, share, times, self.out / f"{scene}_{path}_{share:g}_{times:g}.cameras.json")
         self.compare_along(name, cameras, scene, "objects", path, "--size", self.effort.guthe_size, "--bias", "none", *options, **environment)
 
     def cover(self):
@@ -216,12 +229,12 @@ class Runs:
         return [scene for scene in wanted if scene in self.effort.scenes]
 
 
-def part_of_path(file, path, share, part):
-    """The scene, but only the first keys of its path, with as many frames between them as before."""
+def part_of_path(file, path, share, times, part):
+    """The scene, but only the first keys of its path, with so many times as many frames between them as before."""
     scene = json.loads(file.read_text())
     keys, frames = scene["paths"][path]["keys"], scene["paths"][path]["frames"]
     kept = min(len(keys), max(2, round(share * (len(keys) - 1)) + 1))
-    scene["paths"] = {path: {**scene["paths"][path], "keys": keys[:kept], "frames": max(2, round(frames * (kept - 1) / (len(keys) - 1)))}}
+    scene["paths"] = {path: {**scene["paths"][path], "keys": keys[:kept], "frames": max(2, round(times * frames * (kept - 1) / (len(keys) - 1)))}}
     part.write_text(json.dumps(scene))
     return part
 

@@ -13,11 +13,9 @@
 namespace occlod::bench {
 namespace {
 
-using hlod::CoverModel;
 using tool::Json;
 
-constexpr std::array models{CoverModel::printed, CoverModel::corrected};
-constexpr std::array<const char*, 2> model_names{"printed", "corrected"};
+constexpr std::array<const char*, 2> model_names{"printed", "in_scene"};
 constexpr std::array<double, 7> box_limits{0.0, 0.0005, 0.002, 0.008, 0.03, 0.1, 1.0};  // of c_bb
 constexpr double enough_objects = 100.0;                                                // to compare with a count
 
@@ -27,41 +25,43 @@ std::size_t bin_of(double share, std::size_t bins) {
 
 }  // namespace
 
-void CoverCounts::add(double covered, double box_share, bool hidden) {
-  const auto* const limit = std::upper_bound(box_limits.begin() + 1, box_limits.end() - 1, box_share);
+void CoverCounts::add(const BoxBehind& box) {
+  const auto* const limit = std::upper_bound(box_limits.begin() + 1, box_limits.end() - 1, box.share);
   Cell& cell =
-      cells_[bin_of(covered, screen_bins)][static_cast<std::size_t>(std::distance(box_limits.begin(), limit)) - 1];
+      cells_[bin_of(box.covered, screen_bins)][static_cast<std::size_t>(std::distance(box_limits.begin(), limit)) - 1];
+  const std::array<double, models> predicted{hlod::cover_probability(box.covered, box.share),
+                                             hlod::cover_probability(box.covered_of_scene, box.share_of_scene)};
   cell.objects += 1.0;
-  cell.hidden += hidden ? 1.0 : 0.0;
-  for (std::size_t m = 0; m < models.size(); ++m) {
-    const double probability = hlod::cover_probability(covered, box_share, models[m]);
-    cell.predicted[m] += probability;
-    Cell& prediction = predictions_[m][bin_of(probability, predicted_bins)];
+  cell.hidden += box.hidden ? 1.0 : 0.0;
+  for (std::size_t m = 0; m < models; ++m) {
+    cell.predicted[m] += predicted[m];
+    Cell& prediction = predictions_[m][bin_of(predicted[m], predicted_bins)];
     prediction.objects += 1.0;
-    prediction.hidden += hidden ? 1.0 : 0.0;
-    prediction.predicted[m] += probability;
+    prediction.hidden += box.hidden ? 1.0 : 0.0;
+    prediction.predicted[m] += predicted[m];
   }
 }
 
 void CoverCounts::print() const {
   for (std::size_t b = 0; b < box_bins; ++b) {
-    fmt::print("\nc_bb {} to {}\n\n| c_scr | objects | counted | printed | corrected |\n|---|---|---|---|---|\n",
+    fmt::print("\nc_bb {} to {}\n\n| c_scr | objects | counted | printed | in the scene |\n|---|---|---|---|---|\n",
                box_limits[b], box_limits[b + 1]);
     for (std::size_t s = 0; s < screen_bins; ++s)
       if (const Cell& cell = cells_[s][b]; cell.objects > 0.0)
-        fmt::print("| {:.2f} | {:.0f} | {:.3f} | {:.3f} | {:.3f} |\n", (static_cast<double>(s) + 0.5) / screen_bins,
-                   cell.objects, cell.hidden / cell.objects, cell.predicted[0] / cell.objects,
-                   cell.predicted[1] / cell.objects);
+        fmt::print("| {:.2f} | {:.0f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} |\n",
+                   (static_cast<double>(s) + 0.5) / screen_bins, cell.objects, cell.hidden / cell.objects,
+                   cell.predicted[0] / cell.objects, cell.predicted[1] / cell.objects,
+                   cell.predicted[2] / cell.objects);
   }
   fmt::print(
       "\nRoot mean square difference from the count, cells of {:.0f} objects or more, each by the root of its "
-      "objects: printed {:.3f}, corrected {:.3f}.\nhash {:016x}\n",
+      "objects: printed {:.3f}, in the scene {:.3f}.\nhash {:016x}\n",
       enough_objects, difference(0), difference(1), hash());
 }
 
 Json CoverCounts::to_json() const {
   Json result = {{"by_coverage", by_coverage()}, {"hash", fmt::format("{:016x}", hash())}};
-  for (std::size_t m = 0; m < models.size(); ++m)
+  for (std::size_t m = 0; m < models; ++m)
     result["models"][model_names[m]] = {{"difference", difference(m)}, {"by_prediction", by_prediction(m)}};
   return result;
 }
@@ -90,7 +90,7 @@ Json CoverCounts::by_coverage() const {
                         {"objects", cell.objects},
                         {"hidden", cell.hidden / cell.objects},
                         {"printed", cell.predicted[0] / cell.objects},
-                        {"corrected", cell.predicted[1] / cell.objects}});
+                        {"in_scene", cell.predicted[1] / cell.objects}});
   return rows;
 }
 

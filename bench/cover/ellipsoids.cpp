@@ -149,7 +149,7 @@ class Experiment {
     const hlod::ImageScale scale{height / (2.0 * tan_half), pixels, false};
     const double share = hlod::box_coverage(box_area(e.radii), distance_to_box(e), scale);
     if (const Image::Count count = image_.count_box(e); count.all > 0)
-      counts_.add(covered, share, count.covered == count.all);
+      counts_.add({covered, share, covered, share, count.covered == count.all});  // they fill the image
     image_.draw(e);
     covered = hlod::covered_with(
         covered, hlod::mesh_coverage(share, hlod::coverage_ratio(ellipsoid_area(e.radii), box_area(e.radii))));

@@ -7,6 +7,7 @@
 #include "chosen_views.h"
 #include "hlod/draw/cover_model.h"
 #include "hlod/draw/frame_scene.h"
+#include "hlod/draw/query_value.h"
 #include "occlod/device.h"
 #include "occlod/node_store.h"
 #include "occlod/scene.h"
@@ -18,11 +19,6 @@ namespace {
 
 using hlod::NodeId;
 
-double box_area(const Box& box) {
-  const glm::dvec3 extent = glm::dvec3(box.max) - glm::dvec3(box.min);
-  return 2.0 * (extent.x * extent.y + extent.y * extent.z + extent.z * extent.x);
-}
-
 class Walk {
  public:
   Walk(const hlod::Hlod& hlod, double tolerance_px, CoverCounts& counts)
@@ -31,7 +27,8 @@ class Walk {
   void draw_frame(const View& view) {
     const hlod::ObjectFrame frame(view, placed_, {});
     device_.begin_frame(view, {&placed_, 1});
-    covered_ = 0.0;
+    covered_ = covered_of_scene_ = 0.0;
+    scene_share_ = hlod::root_share(*placed_.hlod, frame);
     reached_.assign(placed_.hlod->node_count(), false);
     for (const NodeId root : placed_.hlod->data().roots) reach(frame, root);
     while (!queue_.empty()) visit(frame, queue_.pop().ref.node);
@@ -56,15 +53,19 @@ class Walk {
     const std::optional<double> pixels = frame.box_pixels(node(n));
     if (!pixels || !(*pixels > 0.0)) return;
     const hlod::BoxRef box{0, node(n).box};
-    counts_.add(covered_, frame.coverage(box.box), device_.wait(device_.ask({&box, 1}))[0] == 0);
+    const double share = frame.coverage(box.box);
+    counts_.add({covered_, share, covered_of_scene_, std::min(1.0, share / scene_share_),
+                 device_.wait(device_.ask({&box, 1}))[0] == 0});
   }
 
   void draw(const hlod::ObjectFrame& frame, NodeId n) {
     if (node(n).triangles == 0) return;
     const hlod::DrawRange all{0, 3 * node(n).triangles};
     device_.draw({.object = 0, .node = n, .ranges = {&all, 1}});
-    const double ratio = hlod::coverage_ratio(static_cast<double>(node(n).area), box_area(node(n).box));
-    covered_ = hlod::covered_with(covered_, hlod::mesh_coverage(frame.coverage(node(n).box), ratio));
+    const double ratio = hlod::coverage_ratio(static_cast<double>(node(n).area), hlod::box_area(node(n).box));
+    const double share = hlod::mesh_coverage(frame.coverage(node(n).box), ratio);
+    covered_ = hlod::covered_with(covered_, share);
+    covered_of_scene_ = hlod::covered_with(covered_of_scene_, std::min(1.0, share / scene_share_));
   }
 
   [[nodiscard]] const hlod::Node& node(NodeId n) const { return placed_.hlod->data().nodes[n]; }
@@ -75,7 +76,9 @@ class Walk {
   hlod::SoftwareDevice device_;
   hlod::DistanceQueue queue_;
   std::vector<bool> reached_;
-  double covered_ = 0.0;  // c_scr
+  double covered_ = 0.0;           // c_scr
+  double covered_of_scene_ = 0.0;  // the same of the part of the image that the scene covers
+  double scene_share_ = 1.0;       // that part
 };
 
 }  // namespace

@@ -92,9 +92,10 @@ void add_trial_options(CLI::App& command, hlod::TrialOptions& options) {
              "coh: when nodes are asked about: mended: when all that is known to be visible has been drawn; published: "
              "in turn, while there may be holes where something is still to be drawn");
   add_choice(command, "--cover-model", options.cover_model,
-             {{"printed", hlod::CoverModel::printed}, {"corrected", hlod::CoverModel::corrected}},
-             "nohc, batch: how probable it is that a box is covered by what is drawn: printed: as the paper has it; "
-             "corrected: for boxes inside the image, and with the real number of levels");
+             {{"in-scene", hlod::CoverModel::in_scene}, {"printed", hlod::CoverModel::printed}},
+             "nohc, batch: how probable it is that a box is covered by what is drawn: in-scene: where boxes lie at "
+             "random in the part of the image that the scene covers; printed: in all of it, as in the paper, with the "
+             "levels of a binary tree");
   CLI::Option* const geomorph =
       command.add_flag("--geomorph", options.geomorph, "Let vertices slide to where the parent has them");
   command.add_flag("--within", options.within, "Of HLODs with splits: refine nodes within where that is enough")
@@ -107,7 +108,7 @@ Json to_json(const hlod::TrialOptions& options) {
           {"metric", std::array{"box", "sphere", "guaranteed"}.at(static_cast<std::size_t>(options.metric))},
           {"alpha", options.alpha == hlod::Alpha::exact ? "exact" : "paper"},
           {"coherence", options.coherence == hlod::Coherence::mended ? "mended" : "published"},
-          {"cover_model", options.cover_model == hlod::CoverModel::corrected ? "corrected" : "printed"},
+          {"cover_model", options.cover_model == hlod::CoverModel::printed ? "printed" : "in-scene"},
           {"geomorph", options.geomorph},
           {"within", options.within}};
 }

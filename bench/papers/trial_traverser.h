@@ -47,7 +47,7 @@ struct TrialOptions {
   RenderDevice* oracle = nullptr;  // of ideal and optimum
   DeviceCosts costs = {};
   int prefetch_frames = 15;
-  CoverModel cover_model = CoverModel::printed;
+  CoverModel cover_model = CoverModel::in_scene;
 
   [[nodiscard]] TraverseOptions traverse() const;
   [[nodiscard]] Trial trial() const;

@@ -3,8 +3,11 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "device/small_scenes.h"
+#include "hlod/draw/node_images.h"
+#include "hlod/draw/software_drawing.h"
 #include "hlod/draw/virtual_clock.h"
 #include "occlod/base.h"
 #include "papers/trial_devices.h"
@@ -193,6 +196,32 @@ TEST(VirtualDevice, CountsAsTheSoftwareDeviceDoes) {
     EXPECT_EQ(count_of(device, {0, planet().node(n).box}), count_of(software, {0, planet().node(n).box}));
   EXPECT_EQ(device.software().depth().nearness, software.depth().nearness);
   EXPECT_EQ(device.name(), "virtual:query-dear");
+}
+
+// What a device takes from another is what it would draw itself: in this view, of these ranges, and nothing of the last
+// view.
+TEST(VirtualDevice, SharesWhatNodesLookLike) {
+  const auto images = std::make_shared<NodeImages>();
+  VirtualDevice first(device_preset("modern"), images), second(device_preset("query-dear"), images);
+  const PlacedHlod placed{&planet(), glm::dmat4(1.0)};
+  Camera camera = small_camera();
+  for (const double x : {0.0, 0.4}) {
+    camera.eye.x = x;
+    for (VirtualDevice* shared : {&first, &second, &first}) {
+      SoftwareDevice alone;
+      for (RenderDevice* each : std::initializer_list<RenderDevice*>{shared, &alone}) {
+        each->begin_frame(View(camera), {&placed, 1});
+        const DrawRange part{0, shared == &second ? 3U : 6U};  // of a node of which another device draws another part
+        each->draw({.object = 0, .node = 0, .ranges = {&part, 1}});
+        if (shared != &second) draw_finest(*each, 0, planet());
+      }
+      EXPECT_EQ(shared->software().depth().nearness, alone.depth().nearness);
+      EXPECT_EQ(shared->software().work().triangles, alone.work().triangles);
+      EXPECT_EQ(shared->software().work().fragments, alone.work().fragments);
+      for (NodeId n = 0; n < planet().node_count(); n += 7)
+        EXPECT_EQ(count_of(*shared, {0, planet().node(n).box}), count_of(alone, {0, planet().node(n).box}));
+    }
+  }
 }
 
 TEST(VirtualClock, StartsCommandsWhenBothAreReady) {

@@ -77,7 +77,8 @@ class HlodCompare(ToolTest):
         self.assertNotEqual(coh("--coherence", "published")["mean"]["hash"], coh()["mean"]["hash"])
         self.assertEqual([coh("--coherence", name)["coherence"] for name in ("mended", "published")], ["mended", "published"])
         nohc = lambda *options: self.render("--path", "by", "--strategy", "nohc", "--device", "virtual:fill-bound", *options)
-        self.assertEqual(nohc("--cover-model", "corrected")["cover_model"], "corrected")
+        self.assertEqual(nohc("--cover-model", "printed")["cover_model"], "printed")
+        self.assertEqual(nohc()["cover_model"], "in-scene")
 
     def test_times_of_virtual_devices_are_simulated(self):
         for preset in ("query-cheap", "query-dear", "fill-bound", "modern"):

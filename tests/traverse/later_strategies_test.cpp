@@ -25,7 +25,6 @@ class Frames {
   explicit Frames(TrialStrategy strategy) : objects_{{{&rows_}}}, traverser_(objects_), logged_(device) {
     options.strategy = strategy;
     options.biased = false;
-    options.cover_model = CoverModel::corrected;
     options.oracle = &oracle;
     options.costs = {.name = "test", .draw_ns = 1e6, .query_ns = 1e-3, .batch_ns = 1e-3, .batch_item_ns = 1e-6};
   }

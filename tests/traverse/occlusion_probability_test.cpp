@@ -2,9 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
+#include "hlod/draw/query_value.h"
 #include "papers/trial_traverser.h"
+#include "traverse/small_scenes.h"
 
 namespace occlod::hlod {
 namespace {
@@ -44,38 +45,58 @@ TEST(Coverage, AddsUp) {
 
 // The square roots of 0.81 and 0.25 are 0.9 and 0.5.
 TEST(CoverProbability, IsByEdgesOfSquares) {
-  EXPECT_NEAR(cover_probability(0.81, 0.25, CoverModel::printed), 0.16, 1e-15);
-  EXPECT_NEAR(cover_probability(0.81, 0.25, CoverModel::corrected), 0.64, 1e-15);
-  for (const CoverModel model : {CoverModel::printed, CoverModel::corrected}) {
-    EXPECT_EQ(cover_probability(0.25, 0.25, model), 0.0);
-    EXPECT_EQ(cover_probability(0.25, 0.81, model), 0.0);
-    EXPECT_EQ(cover_probability(0.0, 0.0, model), 0.0);
-    EXPECT_EQ(cover_probability(1.0, 1.0, model), 0.0);
-    EXPECT_DOUBLE_EQ(cover_probability(0.5, 0.0, model), 0.5);  // of a point
-  }
-  // Behind what covers everything all is covered, which the printed form denies.
-  EXPECT_DOUBLE_EQ(cover_probability(1.0, 0.25, CoverModel::corrected), 1.0);
-  EXPECT_DOUBLE_EQ(cover_probability(1.0, 0.25, CoverModel::printed), 0.25);
+  EXPECT_NEAR(cover_probability(0.81, 0.25), 0.16, 1e-15);
+  EXPECT_EQ(cover_probability(0.25, 0.25), 0.0);
+  EXPECT_EQ(cover_probability(0.25, 0.81), 0.0);
+  EXPECT_EQ(cover_probability(0.0, 0.0), 0.0);
+  EXPECT_EQ(cover_probability(1.0, 1.0), 0.0);
+  EXPECT_DOUBLE_EQ(cover_probability(0.5, 0.0), 0.5);  // of a point
 }
 
-// Squares in the unit square, both anywhere inside it; the smaller one must lie in the larger one.
-TEST(CoverProbability, AsCorrectedIsThatOfSquaresInTheImage) {
-  std::mt19937_64 random(1);
-  std::uniform_real_distribution<double> unit;
-  for (const auto& [covered, share] : {std::pair(0.8, 0.1), std::pair(0.6, 0.01), std::pair(0.95, 0.5)}) {
-    const double large = std::sqrt(covered), small = std::sqrt(share);
-    constexpr int count = 200'000;
-    int inside = 0;
-    for (int i = 0; i < count; ++i) {
-      // The place of the larger one is anywhere between the margins, so the chance is that of the smaller one alone.
-      const double x0 = (1.0 - large) * unit(random), y0 = (1.0 - large) * unit(random);
-      const double x = (1.0 - small) * unit(random), y = (1.0 - small) * unit(random);
-      inside += x >= x0 && x + small <= x0 + large && y >= y0 && y + small <= y0 + large ? 1 : 0;
-    }
-    // Four standard deviations.
-    EXPECT_NEAR(static_cast<double>(inside) / count, cover_probability(covered, share, CoverModel::corrected),
-                4.0 * std::sqrt(0.25 / count));
-  }
+// A planet that fills a small part of the image, from outside.
+Camera far_away(const Hlod& planet) {
+  const Box& box = planet.data().box;
+  const glm::dvec3 middle = 0.5 * (glm::dvec3(box.min) + glm::dvec3(box.max));
+  const double size = glm::distance(glm::dvec3(box.min), glm::dvec3(box.max));
+  Camera camera;
+  camera.eye = middle + glm::dvec3(0.0, 0.0, 2.0 * size);
+  camera.target = middle;
+  camera.near = 0.01 * size;
+  camera.far = 10.0 * size;
+  return camera;
+}
+
+TEST(Covered, SceneSharesAreThoseOfTheRootsBoxes) {
+  const Hlod& planet = test::planet(Grouping::nested);
+  ASSERT_EQ(planet.data().roots.size(), 1U);
+  Camera camera = far_away(planet);
+  const ObjectFrame outside(View(camera), {&planet}, {});
+  const double pixels = outside.box_pixels(planet.node(planet.data().roots[0])).value();
+  EXPECT_DOUBLE_EQ(root_share(planet, outside), pixels / outside.pixels());
+  EXPECT_LT(root_share(planet, outside), 0.5);
+  camera.eye = camera.target;  // inside
+  camera.target.z -= 1.0;
+  EXPECT_EQ(root_share(planet, ObjectFrame(View(camera), {&planet}, {})), 1.0);
+}
+
+// The near half hides the far half, however small both are in the image. As printed, nothing that covers less than a
+// tenth of the image hides anything with more than a tenth of probability.
+TEST(Covered, OfASceneThatHidesItselfMoreIsAskedAbout) {
+  const Hlod& planet = test::planet(Grouping::nested);
+  const View view(far_away(planet));
+  const std::vector<PlacedHlod> objects{{&planet}};
+  const auto drawn = [&](CoverModel model) {
+    SoftwareDevice device;
+    TrialTraverser traverser(objects);
+    TrialOptions options;
+    options.strategy = TrialStrategy::nohc;
+    options.cover_model = model;
+    options.tolerance_px = 0.0;
+    options.costs = {.name = "test", .draw_ns = 10'000.0, .query_ns = 3'000.0};
+    return traverser.draw_frame(view, device, options).stats;
+  };
+  EXPECT_GT(drawn(CoverModel::in_scene).hidden_nodes, drawn(CoverModel::printed).hidden_nodes);
+  EXPECT_LT(drawn(CoverModel::in_scene).drawn_nodes, drawn(CoverModel::printed).drawn_nodes);
 }
 
 TEST(OcclusionProbability, IsByTheLastFrame) {

@@ -6,6 +6,7 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <set>
 
+#include "hlod/draw/software_drawing.h"
 #include "occlod/device.h"
 #include "papers/trial_devices.h"
 #include "traverse/small_scenes.h"
@@ -49,7 +50,7 @@ std::vector<TrialStrategy> strategies() {
 template <typename Device>
 double expect_nothing_lost(const std::vector<PlacedHlod>& objects, const std::vector<Camera>& cameras,
                            const std::function<std::unique_ptr<Device>()>& make,
-                           const std::function<const SoftwareDevice&(const Device&)>& software) {
+                           const std::function<DepthBuffer(const Device&)>& depth) {
   std::vector<std::vector<float>> truth;
   std::size_t all = 0, asked = 0;
   SoftwareDevice device, oracle;
@@ -63,7 +64,7 @@ double expect_nothing_lost(const std::vector<PlacedHlod>& objects, const std::ve
     TrialTraverser one(objects);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       const FrameStats& stats = one.draw_frame(View(cameras[i]), *tested, unbiased(strategy, 2.0, &oracle)).stats;
-      EXPECT_EQ(picture(software(*tested)), truth[i]) << "strategy " << static_cast<int>(strategy) << ", frame " << i;
+      EXPECT_EQ(depth(*tested).nearness, truth[i]) << "strategy " << static_cast<int>(strategy) << ", frame " << i;
       EXPECT_EQ(stats.rarn, 0U);
       EXPECT_EQ(stats.blocked, 0U);
       EXPECT_LE(stats.largest_sse_px, 2.0);
@@ -76,13 +77,13 @@ double expect_nothing_lost(const std::vector<PlacedHlod>& objects, const std::ve
 double expect_nothing_lost(const std::vector<PlacedHlod>& objects, const std::vector<Camera>& cameras) {
   return expect_nothing_lost<SoftwareDevice>(
       objects, cameras, [] { return std::make_unique<SoftwareDevice>(); },
-      [](const SoftwareDevice& device) -> const SoftwareDevice& { return device; });
+      [](const SoftwareDevice& device) { return device.depth(); });
 }
 
 double expect_nothing_lost_late(const std::vector<PlacedHlod>& objects, const std::vector<Camera>& cameras) {
   return expect_nothing_lost<VirtualDevice>(
       objects, cameras, [] { return std::make_unique<VirtualDevice>(device_preset("query-dear")); },
-      [](const VirtualDevice& device) -> const SoftwareDevice& { return device.software(); });
+      [](const VirtualDevice& device) { return device.software().depth(); });
 }
 
 TEST(NothingVisibleIsLost, InRandomViews) {

@@ -27,14 +27,14 @@ struct ImageScale {
 // Returns c_scr after an object that covers `share` has been drawn as well, at a random place.
 [[nodiscard]] double covered_with(double covered, double share) noexcept;
 
-// Names the formula for the probability that a box is fully covered by squares at random places.
+// Names the part of the image in which boxes are taken to lie at random.
 enum class CoverModel {
-  printed,    // (sqrt c_scr - sqrt c_bb)^2: boxes may stick out of the image
-  corrected,  // ((sqrt c_scr - sqrt c_bb) / (1 - sqrt c_bb))^2: they lie inside it
+  printed,   // all of it, as published
+  in_scene,  // what the boxes of all objects cover: shares are of this part
 };
 
 // Returns p_cov, for a box that covers `box_share` behind objects that cover `covered`; 0 if the box covers more.
-[[nodiscard]] double cover_probability(double covered, double box_share, CoverModel model) noexcept;
+[[nodiscard]] double cover_probability(double covered, double box_share) noexcept;
 
 // Tells what was known of a node in the last frame.
 enum class LastSight {

@@ -254,11 +254,10 @@ double mesh_coverage(double box_share, double ratio) noexcept { return box_share
 
 double covered_with(double covered, double share) noexcept { return covered + (1.0 - covered) * share; }
 
-double cover_probability(double covered, double box_share, CoverModel model) noexcept {
+double cover_probability(double covered, double box_share) noexcept {
   if (!(box_share < covered)) return 0.0;
-  const double edge = std::sqrt(box_share), room = std::sqrt(covered) - edge;
-  const double share = model == CoverModel::printed ? room : room / (1.0 - edge);
-  return share * share;
+  const double room = std::sqrt(covered) - std::sqrt(box_share);
+  return room * room;
 }
 
 double occlusion_probability(double cover_probability, LastSight last) noexcept {

@@ -20,7 +20,8 @@ class NearOptimalPolicy : public Policy {
   void begin_frame(const FrameScene& scene) override {
     work_.begin_frame(scene);
     if (memory_.fit(scene)) count(scene);
-    covered_ = 0.0;
+    covered_.begin_frame(scene);
+    // Benefits add up over the levels, in the paper over those of a binary tree.
     depth_ = scene.trial().cover_model == CoverModel::printed ? std::log2(static_cast<double>(nodes_) + 1.0)
                                                               : static_cast<double>(levels_);
     max_asked_ = static_cast<std::size_t>(std::min(max_parallel_queries(scene.options().costs), 1e6));
@@ -41,7 +42,7 @@ class NearOptimalPolicy : public Policy {
 
   void note_drawn(const FrameScene& scene, NodeRef n) override {
     work_.note_drawn(scene, n);
-    covered_ = covered_with(covered_, own_coverage(scene, n));
+    covered_.note_drawn(scene, n);
   }
   void end_frame(const FrameScene& scene) override { work_.end_frame(scene); }
 
@@ -70,10 +71,9 @@ class NearOptimalPolicy : public Policy {
     const DeviceCosts& costs = scene.options().costs;
     const ObjectFrame& view = scene.view_of(n);
     const double coverage = view.coverage(scene.node(n).box);
-    const double covered = cover_probability(covered_, coverage, scene.trial().cover_model);
     Weighed result;
     result.work = work_.of(scene, n, coverage);
-    result.occlusion_probability = occlusion_probability(covered, last);
+    result.occlusion_probability = occlusion_probability(covered_.probability(coverage), last);
     result.value = query_value(draw_time_ns(costs, result.work), query_time_ns(costs, coverage * view.pixels()),
                                result.occlusion_probability, depth_);
     return result;
@@ -100,7 +100,7 @@ class NearOptimalPolicy : public Policy {
 
   WorkBelow work_;
   PerNode<Memory> memory_;
-  double covered_ = 0.0;  // c_scr
+  Covered covered_;
   std::size_t nodes_ = 0, levels_ = 0;
   double depth_ = 1.0;
   std::size_t max_asked_ = 1;
@@ -136,7 +136,8 @@ class BatchPolicy : public Policy {
     in_groups_ = groups_are_cheaper(costs);
     asks_ = scene.frame() == 1 || possible_gain_ns_ > min_return * waiting_ns(costs, in_groups_);
     asked_ = 0;
-    covered_ = round_gain_ns_ = possible_gain_ns_ = 0.0;
+    covered_.begin_frame(scene);
+    round_gain_ns_ = possible_gain_ns_ = 0.0;
     rounds_ = 0;
     has_to_ = false;
   }
@@ -170,7 +171,7 @@ class BatchPolicy : public Policy {
 
   void note_drawn(const FrameScene& scene, NodeRef n) override {
     work_.note_drawn(scene, n);
-    covered_ = covered_with(covered_, own_coverage(scene, n));
+    covered_.note_drawn(scene, n);
   }
   void note_answer(const FrameScene&, NodeRef n, bool visible) override {
     groups_.note_answer(n, visible);
@@ -195,7 +196,7 @@ class BatchPolicy : public Policy {
   struct Memory {
     std::uint32_t asked_frame = 0;  // frame of the last query, or in which it came into the frustum
     // The next three fields describe the last query.
-    float covered = 0.0F;                // cover_probability()
+    float covered = 0.0F;                // Covered::probability()
     float frames = 0.0F;                 // frames since asked_frame
     LastSight last = LastSight::hidden;  // what was known of the node
   };
@@ -204,10 +205,6 @@ class BatchPolicy : public Policy {
   [[nodiscard]] bool groups_are_cheaper(const DeviceCosts& costs) const {
     const auto nodes = static_cast<double>(last_asked_);
     return nodes / usual_group * costs.query_ns < costs.batch_ns + nodes * costs.batch_item_ns + costs.readback_ns;
-  }
-
-  [[nodiscard]] double cover_probability_of(const FrameScene& scene, double coverage) const {
-    return cover_probability(covered_, coverage, scene.trial().cover_model);
   }
 
   // Returns the expected savings of a query about the node.
@@ -221,7 +218,7 @@ class BatchPolicy : public Policy {
         std::max(in_groups_ ? alone_ns : costs.batch_item_ns, coverage * view.pixels() * costs.query_fragment_ns);
     const double draw_ns = draw_time_ns(costs, work_.of(scene, n, coverage));
     if (last == LastSight::hidden) return draw_ns - item_ns;
-    const double covered = cover_probability_of(scene, coverage);
+    const double covered = covered_.probability(coverage);
     if (last == LastSight::outside) {
       memory_[n].asked_frame = scene.frame();
       return rates_.of_new(covered) * draw_ns - item_ns;
@@ -241,7 +238,7 @@ class BatchPolicy : public Policy {
 
   void note_asked(const FrameScene& scene, NodeRef n) {
     Memory& memory = memory_[n];
-    memory.covered = static_cast<float>(cover_probability_of(scene, scene.view_of(n).coverage(scene.node(n).box)));
+    memory.covered = static_cast<float>(covered_.probability(scene.view_of(n).coverage(scene.node(n).box)));
     memory.frames = static_cast<float>(scene.frame() - memory.asked_frame);
     memory.last = last_sight(scene, n);
     memory.asked_frame = scene.frame();
@@ -256,11 +253,11 @@ class BatchPolicy : public Policy {
   bool in_groups_ = false;
   std::size_t asked_ = 0;               // nodes queried in this frame
   std::size_t last_asked_ = 1'000'000;  // nodes queried in the last frame; before the first, many
-  double covered_ = 0.0;                // c_scr
-  double possible_gain_ns_ = 0.0;       // in this frame so far, whether it queries or not
-  double round_gain_ns_ = 0.0;          // in this round so far
-  bool has_to_ = false;                 // make the round, whatever it saves
-  int rounds_ = 0;                      // in this frame
+  Covered covered_;
+  double possible_gain_ns_ = 0.0;  // in this frame so far, whether it queries or not
+  double round_gain_ns_ = 0.0;     // in this round so far
+  bool has_to_ = false;            // make the round, whatever it saves
+  int rounds_ = 0;                 // in this frame
 };
 
 }  // namespace

@@ -67,6 +67,30 @@ double own_coverage(const FrameScene& scene, NodeRef n) {
                        coverage_ratio(static_cast<double>(node.area), box_area(node.box)));
 }
 
+double root_share(const Hlod& hlod, const ObjectFrame& view) {
+  double pixels = 0.0;
+  for (const NodeId root : hlod.data().roots) pixels += view.box_pixels(hlod.node(root)).value_or(view.pixels());
+  return std::min(1.0, pixels / view.pixels());
+}
+
+void Covered::begin_frame(const FrameScene& scene) {
+  covered_ = 0.0;
+  scene_share_ = 1.0;
+  if (scene.trial().cover_model == CoverModel::printed) return;
+  double sum = 0.0;
+  for (std::uint32_t object = 0; object < scene.object_count() && sum < 1.0; ++object)
+    sum += root_share(scene.hlod({object, 0}), scene.view_of({object, 0}));
+  scene_share_ = sum > 0.0 ? std::min(1.0, sum) : 1.0;
+}
+
+void Covered::note_drawn(const FrameScene& scene, NodeRef n) {
+  covered_ = covered_with(covered_, std::min(1.0, own_coverage(scene, n) / scene_share_));
+}
+
+double Covered::probability(double coverage) const {
+  return cover_probability(covered_, std::min(1.0, coverage / scene_share_));
+}
+
 LastSight last_sight(const FrameScene& scene, NodeRef n) {
   const LastFrame last = scene.last(n);
   if (!last.visited) return LastSight::outside;

@@ -88,7 +88,7 @@ struct ChildrenValue {
 [[nodiscard]] bool is_query_reasonable(const DeviceCosts& costs, const QueryValue& node, const AskedBefore& before,
                                        const ChildrenValue* children) noexcept;
 
-// Returns N_q: after this many later queries, a query must have been answered.
+// Returns N_q (sec. 4.3): after this many later queries, a query must have been answered.
 [[nodiscard]] double max_parallel_queries(const DeviceCosts& costs) noexcept;
 
 // Returns the surface area in square object units.
@@ -97,6 +97,26 @@ struct ChildrenValue {
 [[nodiscard]] DrawWork own_work(const FrameScene& scene, NodeRef n, double coverage);
 // Returns the share of the image that the node's triangles cover.
 [[nodiscard]] double own_coverage(const FrameScene& scene, NodeRef n);
+
+// Returns the share of the image that the boxes of the HLOD's roots cover side by side, at most 1. O(roots).
+[[nodiscard]] double root_share(const Hlod& hlod, const ObjectFrame& view);
+
+// Estimates how probable it is that nodes are covered by what has been drawn in the frame so far.
+//
+// Guthe and others place objects at random in the whole image, so that what fills a tenth of it hides at most a tenth
+// of what comes later. A scan that stands free hides half of itself. With CoverModel::in_scene the same formulas are of
+// the part of the image that the scene covers. It is 1 where the eye is inside the scene, and then both are the same.
+class Covered {
+ public:
+  void begin_frame(const FrameScene& scene);
+  void note_drawn(const FrameScene& scene, NodeRef n);
+  // Returns p_cov. `coverage` is ObjectFrame::coverage() of the node's box.
+  [[nodiscard]] double probability(double coverage) const;
+
+ private:
+  double covered_ = 0.0;      // c_scr, of the scene's share
+  double scene_share_ = 1.0;  // of the image; 1 as printed
+};
 
 // Returns what was known of a node in the last frame.
 [[nodiscard]] LastSight last_sight(const FrameScene& scene, NodeRef n);

@@ -49,7 +49,7 @@ struct Trial {
   Coherence coherence = Coherence::mended;  // for coh
   // The model of nohc and batch. `printed` also spreads benefits over log2 of the number of nodes, as in a binary tree,
   // instead of over the levels.
-  CoverModel cover_model = CoverModel::printed;
+  CoverModel cover_model = CoverModel::in_scene;
   // A device that draws and queries by stop-and-wait, for a rival that needs to know what is visible. It differs from
   // the device that is drawn on, and its time does not count.
   RenderDevice* oracle = nullptr;
