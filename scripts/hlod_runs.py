@@ -49,7 +49,7 @@ class Effort:
     # Of the paths of GUTHE, from their beginning. All of the plant is in view, so a frame of it takes as long as a hundred of the others.
     guthe: dict = dataclasses.field(default_factory=lambda: {"plant": 0.03, "city": 1.0, "dragon_alone": 1.0, "car": 0.5})
     # How many times as many frames that part has: what is visible is asked about after some 50 to 300 frames.
-    guthe_frames: dict = dataclasses.field(default_factory=lambda: {"plant": 1, "city": 10, "dragon_alone": 10, "car": 10})
+    guthe_frames: dict = dataclasses.field(default_factory=lambda: {"plant": 1, "city": 2.5, "dragon_alone": 2.5, "car": 2.5})
     lengths: dict = dataclasses.field(default_factory=lambda: {"plant": (1, 16, 60), "city": (1, 2.5, 10), "dragon_alone": (1, 2.5, 10), "car": (1, 2.5, 10)})
     llvmpipe_share: float = 0.15  # of these shares
     leaves_share: float = 0.15
