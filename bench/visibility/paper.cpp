@@ -1,0 +1,227 @@
+// The experiment of Birkholz & Rahn, sec. 4: what occlusion gains in views like those of their figures, and in random
+// views in which as little is visible without occlusion as in theirs. That decides: what is visible cannot be gained.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "accuracy.h"
+#include "refine/tuning.h"
+#include "visibility/subjects.h"
+#include "visibility/views.h"
+
+namespace occlod::bench {
+namespace {
+
+using tool::Json;
+
+constexpr std::uint64_t seed = 1;
+constexpr int max_tries_a_view = 4;
+constexpr double max_difference = 0.1;  // from the paper's count without occlusion: where a view is as difficult
+constexpr const char* figure = "figure";
+constexpr const char* as_published = "as published";
+constexpr const char* every_level = "every level";
+
+// A row of table 2: visible triangles of 10,000 in the view of a figure.
+struct PaperRow {
+  const char* scene;
+  std::size_t without;
+  std::size_t with;
+  double improvement;  // percent
+};
+constexpr std::size_t paper_budget = 10'000;
+constexpr PaperRow paper_table_2[] = {{"armadillo", 2277, 3642, 59.95},
+                                      {"armadillo_group", 2231, 3733, 67.32},
+                                      {"planet_full", 3546, 4781, 34.83},
+                                      {"planet_near", 1888, 4623, 144.86}};
+
+template <typename Change>
+Variant varied(const char* name, RefineOptions options, const Change& change) {
+  change(tune(options));
+  return {name, std::move(options)};
+}
+
+// The paper's method first, then with every level asked about, then with one other choice each.
+std::vector<Variant> paper_variants(std::size_t budget) {
+  const RefineOptions published = refine_options(budget, Culling::subtree);
+  return {{as_published, published},
+          varied(every_level, published, [](Tuning& t) { t.level_step = 1; }),
+          varied("box", published, [](Tuning& t) { t.proxy = Proxy::box; }),
+          varied("sphere", published, [](Tuning& t) { t.proxy = Proxy::sphere; }),
+          varied("one occluder", published, [](Tuning& t) { t.occluder_splits = {300}; }),
+          varied("adaptive occluders", published, [](Tuning& t) { t.occluder_splits.clear(); }),
+          varied("no re-test", published, [](Tuning& t) { t.retest_hidden = false; })};
+}
+
+// What all variants show in one view, from which run.without has been refined.
+void add_view(Table& views, SceneRun& run, const NamedView& named, const std::vector<Variant>& variants) {
+  const std::size_t without = run.without.visible_triangles();
+  for (const Variant& variant : variants) {
+    const std::size_t with = measure_share(run.with, View(named.camera), variant.options, *run.software).visible;
+    const RefineStats& stats = run.with.refinement().stats;
+    views.add({{"scene", run.description.name},
+               {"view", named.name},
+               {"variant", variant.name},
+               {"without", without},
+               {"with", with},
+               {"improvement", improvement(with, without)},
+               {"queries", stats.queries},
+               {"candidates", stats.nodes - stats.culled_frustum - stats.culled_backface}});
+  }
+}
+
+// Returns how many random views were looked at.
+int add_random_views(Table& views, SceneRun& run, const VisibilityOptions& options, double wanted,
+                     const std::vector<Variant>& variants) {
+  RandomCameras cameras(run, options.size, seed);
+  int seen = 0;
+  for (int tries = 0; seen < options.paper_views && tries < max_tries_a_view * options.paper_views; ++tries) {
+    const NamedView named{fmt::format("random {}", tries), cameras.next()};
+    const View view(named.camera);
+    const auto visible = measure_share(run.without, view, variants.front().options, run.none).visible;
+    if (!is_fair(run, view, run.without.items(), run.without.objects())) continue;
+    ++seen;
+    if (std::abs(static_cast<double>(visible) - wanted) <= max_difference * wanted)
+      add_view(views, run, named, variants);
+  }
+  return seen;
+}
+
+void add_scene(Table& table, Table& views, SceneRun& run, const VisibilityOptions& options) {
+  const auto* const paper = std::find_if(std::begin(paper_table_2), std::end(paper_table_2),
+                                         [&](const PaperRow& row) { return run.description.name == row.scene; });
+  const std::size_t budget = options.table_budget;
+  if (paper == std::end(paper_table_2) || !run.is_decided_by(budget)) return;
+
+  const tool::FullMeshPicture full(run.objects, run.view);
+  const auto depth_rms = [&full](const tool::Measurement& measured) {
+    return full.distance_to(measured.items(), measured.objects()).depth_rms_px;
+  };
+  const std::vector<Variant> variants = paper_variants(budget);
+  const RefineOptions ours = refine_options(budget, Culling::star);
+  Json row = {{"scene", run.description.name},
+              {"budget", budget},
+              {"paper_lod", paper->without},
+              {"paper_oc", paper->with},
+              {"paper_ir", paper->improvement}};
+  row["lod"] = measure_share(run.without, run.view, variants.front().options, run.none).visible;
+  row["lod_depth_rms_px"] = depth_rms(run.without);
+  add_view(views, run, {figure, run.view.camera()}, variants);
+  row["ours"] = measure_share(run.with, run.view, ours, run.none).visible;
+  row["ours_oc"] = measure_share(run.with, run.view, ours, *run.software).visible;
+  row["ours_oc_depth_rms_px"] = depth_rms(run.with);
+  row["depth_rms_ratio"] = row["ours_oc_depth_rms_px"].get<double>() / row["lod_depth_rms_px"].get<double>();
+  const double wanted = static_cast<double>(paper->without * budget) / static_cast<double>(paper_budget);
+  row["views"] = add_random_views(views, run, options, wanted, variants);
+  for (const Json& choice : paper_choices(views).rows) {
+    if (choice["scene"] != row["scene"]) continue;
+    const std::string prefix = choice["variant"] == every_level ? "every_level_" : "";
+    if (prefix.empty() && choice["variant"] != as_published) continue;
+    row.update({{prefix + "oc", choice["with"]}, {prefix + "ir", choice["improvement"]}, {"kept", choice["kept"]}});
+    if (choice.contains("median")) row[prefix + "median_ir"] = choice["median"];
+  }
+  table.add(std::move(row));
+}
+
+// Linear between neighbours, of at least one value.
+double quantile(const std::vector<double>& sorted, double share) {
+  const double place = share * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, sorted.size() - 1);
+  return std::lerp(sorted[below], sorted[above], place - static_cast<double>(below));
+}
+
+}  // namespace
+
+Subject paper_subject(const VisibilityOptions& options, Table& views) {
+  return {{"paper_scenes",
+           fmt::format("Table 2 of Birkholz & Rahn: visible triangles of {} without occlusion (LOD) and with it (OC), "
+                       "improvement (IR) in %; then our own method, and its depth RMS over that of the LOD.",
+                       cell(options.table_budget, 0)),
+           {{"scene", "scene"},
+            {"budget", ""},
+            {"paper_lod", "paper: LOD"},
+            {"paper_oc", "OC"},
+            {"paper_ir", "IR", 0},
+            {"lod", "as published, ours: LOD"},
+            {"oc", "OC"},
+            {"ir", "IR", 0},
+            {"every_level_oc", "every level: OC"},
+            {"every_level_ir", "IR", 0},
+            {"median_ir", "equal difficulty: IR", 0},
+            {"every_level_median_ir", "every level", 0},
+            {"kept", "of views"},
+            {"views", "of"},
+            {"ours", "our method: no occlusion"},
+            {"ours_oc", "OC"},
+            {"lod_depth_rms_px", ""},
+            {"ours_oc_depth_rms_px", ""},
+            {"depth_rms_ratio", "depth RMS", 2}},
+           {}},
+          [&views](Table& table, SceneRun& run, const VisibilityOptions& o) { add_scene(table, views, run, o); }};
+}
+
+Table paper_views() {
+  return {"paper_views",
+          "Every view: that of the figure, and the random ones that are as difficult. Candidates: nodes that neither "
+          "the frustum nor cones culled.",
+          {{"scene", "scene"},
+           {"view", "view"},
+           {"variant", "variant"},
+           {"without", "without"},
+           {"with", "with"},
+           {"improvement", "IR", 1},
+           {"queries", "queries"},
+           {"candidates", "candidates"}},
+          {}};
+}
+
+Table paper_choices(const Table& views) {
+  Table table{"paper_choices",
+              "The paper's method with one other choice each: IR in the figure's view, and its quartiles over the "
+              "random views.",
+              {{"scene", "scene"},
+               {"variant", "variant"},
+               {"queries", "queries"},
+               {"candidates", "candidates"},
+               {"with", "OC"},
+               {"improvement", "IR", 0},
+               {"kept", "views"},
+               {"lower", "lower quartile", 0},
+               {"median", "median", 0},
+               {"upper", "upper", 0}},
+              {}};
+  for (const Json& of_figure : views.rows) {
+    if (of_figure["view"] != figure) continue;
+    std::vector<double> improvements;
+    for (const Json& row : views.rows)
+      if (row["scene"] == of_figure["scene"] && row["variant"] == of_figure["variant"] && row["view"] != figure)
+        improvements.push_back(row["improvement"]);
+    std::sort(improvements.begin(), improvements.end());
+    Json choice = {{"kept", improvements.size()}};
+    for (const char* key : {"scene", "variant", "queries", "candidates", "with", "improvement"})
+      choice[key] = of_figure[key];
+    if (!improvements.empty())
+      choice.update({{"lower", quantile(improvements, 0.25)},
+                     {"median", quantile(improvements, 0.5)},
+                     {"upper", quantile(improvements, 0.75)}});
+    table.add(std::move(choice));
+  }
+  return table;
+}
+
+Table paper_gains(const Table& scenes) {
+  return {"paper_gains",
+          "What is gained over the paper's LOD, and the depth RMS over that of it.",
+          {{"scene", "scene"},
+           {"lod", "the paper's LOD"},
+           {"ours", "ours, no occlusion"},
+           {"ours_oc", "ours, with occlusion"},
+           {"depth_rms_ratio", "depth RMS over the paper's LOD", 2}},
+          scenes.rows};
+}
+
+}  // namespace occlod::bench
