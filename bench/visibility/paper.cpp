@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "accuracy.h"
+#include "backend.h"
+#include "occlod/base.h"
 #include "refine/tuning.h"
 #include "visibility/subjects.h"
 #include "visibility/views.h"
@@ -24,6 +27,7 @@ constexpr double max_difference = 0.1;  // from the paper's count without occlus
 constexpr const char* figure = "figure";
 constexpr const char* as_published = "as published";
 constexpr const char* every_level = "every level";
+constexpr const char* opengl = "OpenGL queries";
 
 // A row of table 2: visible triangles of 10,000 in the view of a figure.
 struct PaperRow {
@@ -38,29 +42,37 @@ constexpr PaperRow paper_table_2[] = {{"armadillo", 2277, 3642, 59.95},
                                       {"planet_full", 3546, 4781, 34.83},
                                       {"planet_near", 1888, 4623, 144.86}};
 
-template <typename Change>
-Variant varied(const char* name, RefineOptions options, const Change& change) {
-  change(tune(options));
-  return {name, std::move(options)};
-}
+struct PaperVariant {
+  Variant variant;
+  Visibility* visibility;
+};
 
-// The paper's method first, then with every level asked about, then with one other choice each.
-std::vector<Variant> paper_variants(std::size_t budget) {
+// The paper's method first, then with one other choice each; without OpenGL's queries where there are none.
+std::vector<PaperVariant> paper_variants(std::size_t budget, Visibility& software, Visibility* gl) {
   const RefineOptions published = refine_options(budget, Culling::subtree);
-  return {{as_published, published},
-          varied(every_level, published, [](Tuning& t) { t.level_step = 1; }),
-          varied("box", published, [](Tuning& t) { t.proxy = Proxy::box; }),
-          varied("sphere", published, [](Tuning& t) { t.proxy = Proxy::sphere; }),
-          varied("one occluder", published, [](Tuning& t) { t.occluder_splits = {300}; }),
-          varied("adaptive occluders", published, [](Tuning& t) { t.occluder_splits.clear(); }),
-          varied("no re-test", published, [](Tuning& t) { t.retest_hidden = false; })};
+  std::vector<PaperVariant> variants = {{{as_published, published}, &software}};
+  const auto add = [&](const char* name, Visibility* visibility, const auto& change) {
+    RefineOptions options = published;
+    change(tune(options));
+    if (visibility != nullptr) variants.push_back({{name, std::move(options)}, visibility});
+  };
+  const auto ask_every_level = [](Tuning& t) { t.level_step = 1; };
+  add(every_level, &software, ask_every_level);
+  add(opengl, gl, [](Tuning&) {});
+  add("OpenGL queries, every level", gl, ask_every_level);
+  add("box", &software, [](Tuning& t) { t.proxy = Proxy::box; });
+  add("sphere", &software, [](Tuning& t) { t.proxy = Proxy::sphere; });
+  add("one occluder", &software, [](Tuning& t) { t.occluder_splits = {300}; });
+  add("adaptive occluders", &software, [](Tuning& t) { t.occluder_splits.clear(); });
+  add("no re-test", &software, [](Tuning& t) { t.retest_hidden = false; });
+  return variants;
 }
 
 // What all variants show in one view, from which run.without has been refined.
-void add_view(Table& views, SceneRun& run, const NamedView& named, const std::vector<Variant>& variants) {
+void add_view(Table& views, SceneRun& run, const NamedView& named, const std::vector<PaperVariant>& variants) {
   const std::size_t without = run.without.visible_triangles();
-  for (const Variant& variant : variants) {
-    const std::size_t with = measure_share(run.with, View(named.camera), variant.options, *run.software).visible;
+  for (const auto& [variant, visibility] : variants) {
+    const std::size_t with = measure_share(run.with, View(named.camera), variant.options, *visibility).visible;
     const RefineStats& stats = run.with.refinement().stats;
     views.add({{"scene", run.description.name},
                {"view", named.name},
@@ -75,13 +87,13 @@ void add_view(Table& views, SceneRun& run, const NamedView& named, const std::ve
 
 // Returns how many random views were looked at.
 int add_random_views(Table& views, SceneRun& run, const VisibilityOptions& options, double wanted,
-                     const std::vector<Variant>& variants) {
+                     const std::vector<PaperVariant>& variants) {
   RandomCameras cameras(run, options.size, seed);
   int seen = 0;
   for (int tries = 0; seen < options.paper_views && tries < max_tries_a_view * options.paper_views; ++tries) {
     const NamedView named{fmt::format("random {}", tries), cameras.next()};
     const View view(named.camera);
-    const auto visible = measure_share(run.without, view, variants.front().options, run.none).visible;
+    const auto visible = measure_share(run.without, view, variants.front().variant.options, run.none).visible;
     if (!is_fair(run, view, run.without.items(), run.without.objects())) continue;
     ++seen;
     if (std::abs(static_cast<double>(visible) - wanted) <= max_difference * wanted)
@@ -90,7 +102,7 @@ int add_random_views(Table& views, SceneRun& run, const VisibilityOptions& optio
   return seen;
 }
 
-void add_scene(Table& table, Table& views, SceneRun& run, const VisibilityOptions& options) {
+void add_scene(Table& table, Table& views, SceneRun& run, const VisibilityOptions& options, Visibility* gl) {
   const auto* const paper = std::find_if(std::begin(paper_table_2), std::end(paper_table_2),
                                          [&](const PaperRow& row) { return run.description.name == row.scene; });
   const std::size_t budget = options.table_budget;
@@ -100,14 +112,14 @@ void add_scene(Table& table, Table& views, SceneRun& run, const VisibilityOption
   const auto depth_rms = [&full](const tool::Measurement& measured) {
     return full.distance_to(measured.items(), measured.objects()).depth_rms_px;
   };
-  const std::vector<Variant> variants = paper_variants(budget);
+  const std::vector<PaperVariant> variants = paper_variants(budget, *run.software, gl);
   const RefineOptions ours = refine_options(budget, Culling::star);
   Json row = {{"scene", run.description.name},
               {"budget", budget},
               {"paper_lod", paper->without},
               {"paper_oc", paper->with},
               {"paper_ir", paper->improvement}};
-  row["lod"] = measure_share(run.without, run.view, variants.front().options, run.none).visible;
+  row["lod"] = measure_share(run.without, run.view, variants.front().variant.options, run.none).visible;
   row["lod_depth_rms_px"] = depth_rms(run.without);
   add_view(views, run, {figure, run.view.camera()}, variants);
   row["ours"] = measure_share(run.with, run.view, ours, run.none).visible;
@@ -116,14 +128,25 @@ void add_scene(Table& table, Table& views, SceneRun& run, const VisibilityOption
   row["depth_rms_ratio"] = row["ours_oc_depth_rms_px"].get<double>() / row["lod_depth_rms_px"].get<double>();
   const double wanted = static_cast<double>(paper->without * budget) / static_cast<double>(paper_budget);
   row["views"] = add_random_views(views, run, options, wanted, variants);
-  for (const Json& choice : paper_choices(views).rows) {
-    if (choice["scene"] != row["scene"]) continue;
-    const std::string prefix = choice["variant"] == every_level ? "every_level_" : "";
-    if (prefix.empty() && choice["variant"] != as_published) continue;
-    row.update({{prefix + "oc", choice["with"]}, {prefix + "ir", choice["improvement"]}, {"kept", choice["kept"]}});
-    if (choice.contains("median")) row[prefix + "median_ir"] = choice["median"];
-  }
+  const std::pair<const char*, const char*> shown[] = {
+      {as_published, ""}, {every_level, "every_level_"}, {opengl, "opengl_"}};
+  for (const Json& choice : paper_choices(views).rows)
+    for (const auto& [variant, prefix] : shown) {
+      if (choice["scene"] != row["scene"] || choice["variant"] != variant) continue;
+      row[prefix + std::string("oc")] = choice["with"];
+      row[prefix + std::string("ir")] = choice["improvement"];
+      row["kept"] = choice["kept"];
+      if (choice.contains("median")) row[prefix + std::string("median_ir")] = choice["median"];
+    }
   table.add(std::move(row));
+}
+
+// Null where there are none.
+std::shared_ptr<Visibility> gl_queries() try {
+  return tool::make_backend({"gl-query", ""}).visibility;
+} catch (const Error& error) {
+  fmt::print(stderr, "OpenGL queries are left out: {}\n", error.what());
+  return nullptr;
 }
 
 // Linear between neighbours, of at least one value.
@@ -149,11 +172,14 @@ Subject paper_subject(const VisibilityOptions& options, Table& views) {
             {"lod", "as published, ours: LOD"},
             {"oc", "OC"},
             {"ir", "IR", 0},
-            {"every_level_oc", "every level: OC"},
-            {"every_level_ir", "IR", 0},
+            {"every_level_oc", ""},
+            {"every_level_ir", "every level: IR", 0},
+            {"opengl_oc", ""},
+            {"opengl_ir", "OpenGL queries: IR", 0},
             {"median_ir", "equal difficulty: IR", 0},
             {"every_level_median_ir", "every level", 0},
-            {"kept", "of views"},
+            {"opengl_median_ir", "OpenGL queries", 0},
+            {"kept", "views"},
             {"views", "of"},
             {"ours", "our method: no occlusion"},
             {"ours_oc", "OC"},
@@ -161,7 +187,9 @@ Subject paper_subject(const VisibilityOptions& options, Table& views) {
             {"ours_oc_depth_rms_px", ""},
             {"depth_rms_ratio", "depth RMS", 2}},
            {}},
-          [&views](Table& table, SceneRun& run, const VisibilityOptions& o) { add_scene(table, views, run, o); }};
+          [&views, gl = gl_queries()](Table& table, SceneRun& run, const VisibilityOptions& o) {
+            add_scene(table, views, run, o, gl.get());
+          }};
 }
 
 Table paper_views() {
