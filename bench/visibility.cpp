@@ -40,7 +40,7 @@ void make_quick(VisibilityOptions& options) {
   options.repeat = 1;
   options.share_frames = 2;
   options.views = 3;
-  options.paper_views = 12;
+  options.paper_views = 30;
   options.path_frames = 2;
   options.size = {160, 120};
   options.hidden_size = {96, 72};
