@@ -160,7 +160,7 @@ double quantile(const std::vector<double>& sorted, double share) {
 }  // namespace
 
 Subject paper_subject(const VisibilityOptions& options, Table& views) {
-  return {{"paper_scenes",
+  return {{"paper_table_2",
            fmt::format("Table 2 of Birkholz & Rahn: visible triangles of {} without occlusion (LOD) and with it (OC), "
                        "improvement (IR) in %; then our own method, and its depth RMS over that of the LOD.",
                        cell(options.table_budget, 0)),

@@ -115,7 +115,7 @@ class Visibility(unittest.TestCase):
         """The same view as that of small.json; random views are those in which about as much is visible as in the paper's."""
         (self.folder / "planet_full.json").write_text(SCENE)
         tables = self.run_bench("paper", "--paper", scene="planet_full.json")["paper"]
-        [scene], [small] = tables["paper_scenes"], self.tables["table_2"]
+        [scene], [small] = tables["paper_table_2"], self.tables["table_2"]
         self.assertEqual([scene[key] for key in ("lod", "oc", "ours", "ours_oc")], [small[key] for key in ("lod", "lod_oc", "ours", "ours_oc")])
         self.assertEqual((scene["paper_lod"], scene["paper_oc"]), (3546, 4781))
         for choice in tables["paper_choices"]:
