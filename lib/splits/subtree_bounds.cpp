@@ -211,10 +211,13 @@ class SubtreeBounds {
 
   // Stars in depth-first order are scattered in memory, and so are their corners.
   void prefetch_star(std::size_t place, std::size_t end) const {
-    constexpr std::size_t ahead = 6;
+    constexpr std::size_t ahead = 8;
     if (place + 3 * ahead < end) prefetch(&assembly_.stars[regions_[place + 3 * ahead].split]);
-    if (place + 2 * ahead < end)
-      prefetch(assembly_.data.stars.data() + assembly_.stars[regions_[place + 2 * ahead].split]);
+    if (place + 2 * ahead < end) {
+      const std::uint32_t* const record = assembly_.data.stars.data() + assembly_.stars[regions_[place + 2 * ahead].split];
+      prefetch(record);
+      prefetch(record + 7);
+    }
     if (place + ahead >= end) return;
     const SplitStar star = star_at(place + ahead);
     if (star.is_fan())
@@ -226,8 +229,9 @@ class SubtreeBounds {
   void bound_nodes(const StarPoints& points, std::size_t first_point, std::size_t first, std::size_t end) {
     NodeExtents nodes;
     nodes.size.fill(0);
-    for (std::size_t place = first; place < end; ++place) {
+    for (std::size_t place = end; place < std::min<std::size_t>(end + NodeExtents::capacity, splits_); ++place)
       prefetch(&data().nodes[regions_[place].split]);
+    for (std::size_t place = first; place < end; ++place) {
       start_bounds(nodes, place - first, regions_[place]);
     }
     include_patches(rows_, first, nodes);
