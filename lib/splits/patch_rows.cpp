@@ -141,10 +141,7 @@ void PatchRows::set(std::size_t i, const Patch& patch) noexcept {
 Patch PatchRows::operator[](std::size_t i) const noexcept {
   const auto get = [&](Row which) { return row(which)[i]; };
   const bool has_normal = get(cos_angle) != no_normal;
-  return {{get(axis_x), get(axis_y), get(axis_z)},
-          has_normal ? get(cos_angle) : 1.0F,
-          get(sin_angle),
-          has_normal};
+  return {{get(axis_x), get(axis_y), get(axis_z)}, has_normal ? get(cos_angle) : 1.0F, get(sin_angle), has_normal};
 }
 
 void NodeExtents::start(std::size_t node, const glm::vec3& axis) {

@@ -34,22 +34,12 @@ struct BoundedPatch {
 // Bounds the faces that the split inserts and removes.
 [[nodiscard]] BoundedPatch bound_star(const SplitStar& star, std::span<const glm::vec3> positions);
 
-// Factors that keep bounds conservative under rounding: differences of single-precision positions are correct to half a
-// unit in the last place, and no sum has more than a dozen terms.
-inline constexpr float grow = 1.0F + 4e-6F;
+// Keeps cones conservative under rounding.
 inline constexpr float cone_slack = 4e-6F;
 // A corner whose squared sine is at most this needs double precision; for any other, single precision gives the normal
 // to within normal_slack.
 inline constexpr float min_sin2 = 0.0025F;
 inline constexpr float normal_slack = 1e-5F;
-// Rounding error of numbers so small that their last place no longer shrinks with them: some twenty units of it.
-inline constexpr float denormal_slack = 3e-44F;
-
-// Returns the length, also for vectors whose squares overflow or underflow a float.
-[[nodiscard]] inline float length_of(const glm::vec3& v) {
-  const float square = glm::dot(v, v);
-  return square > 1e-30F && square < 1e30F ? std::sqrt(square) : static_cast<float>(glm::length(glm::dvec3(v)));
-}
 
 // Computes, for many patches at once, how far their cones reach from the axes of nodes.
 

@@ -94,8 +94,8 @@ PointExtents measure_in_double(const CornerRows& corners, const glm::vec3& cente
 }  // namespace
 
 void StarPoints::add(const SplitStar& star, std::span<const glm::vec3> positions) {
-  const std::size_t most = 1 + (star.is_fan() ? star.ring().size()
-                                              : 3 * (std::size_t{star.inserted_count()} + star.removed_count()));
+  const std::size_t most =
+      1 + (star.is_fan() ? star.ring().size() : 3 * (std::size_t{star.inserted_count()} + star.removed_count()));
   if (const std::size_t needed = size_ + most + padding; needed > x_.size())
     for (std::vector<float>* row : {&x_, &y_, &z_}) row->resize(2 * needed);
   put(positions[star.vertex()]);

@@ -15,6 +15,18 @@
 namespace occlod {
 namespace {
 
+// Keeps bounds conservative under rounding: differences of single-precision positions are correct to half a unit in the
+// last place, and no sum has more than a dozen terms.
+constexpr float grow = 1.0F + 4e-6F;
+// Rounding error of numbers so small that their last place no longer shrinks with them: some twenty units of it.
+constexpr float denormal_slack = 3e-44F;
+
+// Returns the length, also for vectors whose squares overflow or underflow a float.
+float length_of(const glm::vec3& v) {
+  const float square = glm::dot(v, v);
+  return square > 1e-30F && square < 1e30F ? std::sqrt(square) : static_cast<float>(glm::length(glm::dvec3(v)));
+}
+
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
   const float length = glm::length(v);
   return length > 1e-6F && std::isfinite(length) ? v / length : otherwise;
@@ -37,20 +49,19 @@ class SubtreeBounds {
     join_patches(blocks_, large_blocks_);
     data().nodes.resize(std::size_t{splits_} + 1);
     for_each_id(splits_ + 1, threads_, [&](SplitId s) { start_node(s); });
-    for_each_task(
-        (splits_ + range_size - 1) / range_size, threads_, [] { return StarPoints(); },
-        [&](StarPoints& points, std::size_t range) {
-          bound_range(points, range * range_size, std::min<std::size_t>((range + 1) * range_size, splits_));
-        },
-        [] {});
+    for_each_task((splits_ + range_size - 1) / range_size, threads_, [] { return StarPoints(); },
+                  [&](StarPoints& points, std::size_t range) {
+                    bound_range(points, range * range_size, std::min<std::size_t>((range + 1) * range_size, splits_));
+                  },
+                  [] {});
     bound_large_nodes();
     return std::move(assembly_.data);
   }
 
  private:
   static constexpr std::size_t block_size = 64;
-  static constexpr std::uint32_t max_fitted = 4096;  // number of splits of a small subtree
-  static constexpr int joined_levels = 6;
+  static constexpr std::uint32_t max_small = 4096;  // number of splits of a small subtree
+  static constexpr int joined_levels = 6;           // bounds of a large subtree are joined from those so far below it
 
   // Bounds the own faces of a split, and later its whole subtree.
   struct Region {
@@ -180,7 +191,7 @@ class SubtreeBounds {
   }
 
   // True for subtrees whose bounds are fitted to all corners of their stars.
-  [[nodiscard]] bool is_small(std::size_t place) const { return regions_[place].size <= max_fitted; }
+  [[nodiscard]] bool is_small(std::size_t place) const { return regions_[place].size <= max_small; }
 
   // Returns the end of the small subtree that holds both `place` and the place before it; `place` when there is none.
   [[nodiscard]] std::size_t after_small_subtree(std::size_t place) const {
@@ -213,11 +224,8 @@ class SubtreeBounds {
   void prefetch_star(std::size_t place, std::size_t end) const {
     constexpr std::size_t ahead = 8;
     if (place + 3 * ahead < end) prefetch(&assembly_.stars[regions_[place + 3 * ahead].split]);
-    if (place + 2 * ahead < end) {
-      const std::uint32_t* const record = assembly_.data.stars.data() + assembly_.stars[regions_[place + 2 * ahead].split];
-      prefetch(record);
-      prefetch(record + 7);
-    }
+    if (place + 2 * ahead < end)
+      prefetch(assembly_.data.stars.data() + assembly_.stars[regions_[place + 2 * ahead].split]);
     if (place + ahead >= end) return;
     const SplitStar star = star_at(place + ahead);
     if (star.is_fan())
@@ -231,9 +239,7 @@ class SubtreeBounds {
     nodes.size.fill(0);
     for (std::size_t place = end; place < std::min<std::size_t>(end + NodeExtents::capacity, splits_); ++place)
       prefetch(&data().nodes[regions_[place].split]);
-    for (std::size_t place = first; place < end; ++place) {
-      start_bounds(nodes, place - first, regions_[place]);
-    }
+    for (std::size_t place = first; place < end; ++place) start_bounds(nodes, place - first, regions_[place]);
     include_patches(rows_, first, nodes);
     for (std::size_t place = first; place < end; ++place) {
       const std::size_t i = place - first;

@@ -58,8 +58,8 @@ Fit fit(const Hierarchy& hierarchy, const std::vector<VertexId>& vertices, const
   return result;
 }
 
-// Nothing outside any bound, and cylinders with at most 1.3 times the volume of the smallest ones in the geometric mean.
-// Where the points are flat, packing (heights in steps of 1/32768 of the radius) makes all of the height.
+// Nothing outside any bound, and cylinders with at most 1.3 times the volume of the smallest ones in the geometric
+// mean. Where the points are flat, packing (heights in steps of 1/32768 of the radius) makes all of the height.
 void expect_fitting_bounds(const Hierarchy& hierarchy) {
   std::size_t outside = 0, measured = 0;
   double log_ratio = 0.0;
@@ -86,7 +86,8 @@ void expect_fitting_bounds(const Hierarchy& hierarchy) {
 }
 
 TEST(SubtreeBounds, FitTheCornersOfTheirStars) {
-  for (const TriangleMesh& mesh : {test::noisy_sphere(4, 1), test::torus(40, 30), test::two_components(), test::book(5)})
+  for (const TriangleMesh& mesh :
+       {test::noisy_sphere(4, 1), test::torus(40, 30), test::two_components(), test::book(5)})
     if (const Hierarchy hierarchy = build_hierarchy(mesh); hierarchy.split_count() > 100)
       expect_fitting_bounds(hierarchy);
 }
