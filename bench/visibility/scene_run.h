@@ -23,7 +23,7 @@ struct VisibilityOptions {
   int repeat = 5;                         // times are medians of so many rounds
   int share_frames = 8;                   // of each path at most, for shares
   int views = 200;                        // random ones, for wrongly hidden pixels
-  int paper_views = 1'000;                // random ones, among which those as difficult as the paper's are kept
+  int paper_views = 500;                  // random ones, among which those as difficult as the paper's are kept
   int path_frames = 40;                   // of each path at most, likewise
   std::optional<tool::ImageSize> size;    // of pictures instead of the cameras' own
   tool::ImageSize hidden_size{512, 384};  // for wrongly hidden pixels
