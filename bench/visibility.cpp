@@ -90,17 +90,12 @@ void count_wrongly_hidden(const Options& options) {
 void repeat_paper(const Options& options) {
   Table views = paper_views();
   std::vector<Subject> subjects = {paper_subject(options.visibility, views)};
-  const auto for_people = [&] {
-    const Table& scenes = subjects[0].table;
-    return std::vector<Table>{scenes, paper_gains(scenes), paper_choices(views)};
-  };
+  const Table& table_2 = subjects[0].table;
   run_subjects(options, "paper", subjects, [&](SceneRun& scene_run) {
     write_pictures(scene_run, options.visibility, Culling::subtree);
-    std::vector<Table> tables = for_people();
-    tables.push_back(views);
-    return tables;
+    return std::vector<Table>{table_2, paper_choices(views), views};
   });
-  print_tables(for_people());
+  print_tables({table_2, paper_choices_by_scene(paper_choices(views)), paper_gains(table_2)});
 }
 
 void run(const Options& options) {

@@ -36,8 +36,10 @@ struct Subject {
 // those and random views that are as difficult, refined in the paper's way and with one other choice each.
 [[nodiscard]] Subject paper_subject(const VisibilityOptions& options, Table& views);
 [[nodiscard]] Table paper_views();
-// Of the table of these views: a row for each scene and choice.
+// Of the table of these views: a row for each scene and choice, "candidates" being the nodes that neither the frustum
+// nor cones culled. The same for people: a row for each choice.
 [[nodiscard]] Table paper_choices(const Table& views);
+[[nodiscard]] Table paper_choices_by_scene(const Table& choices);
 // Of the table of paper_subject(): what our own method gains.
 [[nodiscard]] Table paper_gains(const Table& scenes);
 
