@@ -29,7 +29,6 @@ std::vector<Variant> variants(const RefineOptions& base) {
       {"proxy box", with(base, [](O& o) { tune(o).proxy = Proxy::box; })},
       {"proxy sphere", with(base, [](O& o) { tune(o).proxy = Proxy::sphere; })},
       {"proxy cylinder", with(base, [](O& o) { tune(o).proxy = Proxy::cylinder; })},
-      {"proxy box and cylinder", with(base, [](O& o) { tune(o).proxy = Proxy::box_and_cylinder; })},
       {"levels 1", with(base, [](O& o) { tune(o).level_step = 1; })},
       {"levels 3", with(base, [](O& o) { tune(o).level_step = 3; })},
       {"levels 4", with(base, [](O& o) { tune(o).level_step = 4; })},

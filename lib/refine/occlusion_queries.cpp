@@ -152,16 +152,6 @@ void OcclusionQueries::ask_about_bounds(std::span<const Entry> entries, std::spa
   answers.resize(asked.size());
   visibility_->answer(queries, answers);
   for (std::size_t k = 0; k < asked.size(); ++k) verdicts[asked[k]].visible = answers[k] != 0;
-  const RefineOptions* const options = scene_.options;
-  if (tuning_of(*options).proxy != Proxy::box_and_cylinder) return;
-  std::erase_if(asked, [&](std::size_t i) { return entries[i].kind == Entry::Kind::apply || !verdicts[i].visible; });
-  if (asked.empty()) return;
-  queries.clear();
-  for (const std::size_t i : asked)
-    queries.push_back({entries[i].object, scene_.cuts->hierarchy(entries[i].object).node(entries[i].split).cylinder()});
-  answers.resize(asked.size());
-  visibility_->answer(queries, answers);
-  for (std::size_t k = 0; k < asked.size(); ++k) verdicts[asked[k]].visible = answers[k] != 0;
 }
 
 // Returns a query about the bounds of the entry's subtree.
@@ -174,7 +164,6 @@ VisibilityQuery OcclusionQueries::query_about(const Entry& entry) const {
     case Proxy::cylinder:
       return {entry.object, node.cylinder()};
     case Proxy::box:
-    case Proxy::box_and_cylinder:
       break;
   }
   return {entry.object, node.box()};

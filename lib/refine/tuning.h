@@ -22,7 +22,7 @@ enum class Culling {
 }
 
 // Selects the bounds of a subtree that occlusion queries ask about.
-enum class Proxy { sphere, box, cylinder, box_and_cylinder };
+enum class Proxy { sphere, box, cylinder };
 
 // With Culling::subtree the priority of a split is its error in pixels; with Culling::star that
 // error * (visible share of its faces)^visible_exponent * (cosine under which the eye sees them)^-grazing_exponent
