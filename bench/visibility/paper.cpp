@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -79,7 +80,7 @@ void add_view(Table& views, SceneRun& run, const NamedView& named, const std::ve
                {"variant", variant.name},
                {"without", without},
                {"with", with},
-               {"improvement", improvement(with, without)},
+               {"improvement_pct", improvement(with, without)},
                {"queries", stats.queries},
                {"candidates", stats.nodes - stats.culled_frustum - stats.culled_backface}});
   }
@@ -118,7 +119,7 @@ void add_scene(Table& table, Table& views, SceneRun& run, const VisibilityOption
               {"budget", budget},
               {"paper_lod", paper->without},
               {"paper_oc", paper->with},
-              {"paper_ir", paper->improvement}};
+              {"paper_ir_pct", paper->improvement}};
   row["lod"] = measure_share(run.without, run.view, variants.front().variant.options, run.none).visible;
   row["lod_depth_rms_px"] = depth_rms(run.without);
   add_view(views, run, {figure, run.view.camera()}, variants);
@@ -134,9 +135,9 @@ void add_scene(Table& table, Table& views, SceneRun& run, const VisibilityOption
     for (const auto& [variant, prefix] : shown) {
       if (choice["scene"] != row["scene"] || choice["variant"] != variant) continue;
       row[prefix + std::string("oc")] = choice["with"];
-      row[prefix + std::string("ir")] = choice["improvement"];
+      row[prefix + std::string("ir_pct")] = choice["improvement_pct"];
       row["kept"] = choice["kept"];
-      if (choice.contains("median")) row[prefix + std::string("median_ir")] = choice["median"];
+      if (choice.contains("median_pct")) row[prefix + std::string("median_ir_pct")] = choice["median_pct"];
     }
   table.add(std::move(row));
 }
@@ -170,17 +171,17 @@ Subject paper_subject(const VisibilityOptions& options, Table& views) {
             {"budget", ""},
             {"paper_lod", "paper: LOD"},
             {"paper_oc", "OC"},
-            {"paper_ir", "IR", 0},
+            {"paper_ir_pct", "IR", 0},
             {"lod", "as published, ours: LOD"},
             {"oc", "OC"},
-            {"ir", "IR", 0},
+            {"ir_pct", "IR", 0},
             {"every_level_oc", ""},
-            {"every_level_ir", "every level: IR", 0},
+            {"every_level_ir_pct", "every level: IR", 0},
             {"opengl_oc", ""},
-            {"opengl_ir", "OpenGL queries: IR", 0},
-            {"median_ir", "equal difficulty: IR", 0},
-            {"every_level_median_ir", "every level", 0},
-            {"opengl_median_ir", ""},
+            {"opengl_ir_pct", "OpenGL queries: IR", 0},
+            {"median_ir_pct", "equal difficulty: IR", 0},
+            {"every_level_median_ir_pct", "every level", 0},
+            {"opengl_median_ir_pct", ""},
             {"kept", "views"},
             {"views", ""},
             {"ours", "our method: no occlusion"},
@@ -196,30 +197,30 @@ Subject paper_subject(const VisibilityOptions& options, Table& views) {
 
 Table paper_views() {
   Table table{"paper_views", "", {}, {}};
-  for (const char* key : {"scene", "view", "variant", "without", "with", "improvement", "queries", "candidates"})
+  for (const char* key : {"scene", "view", "variant", "without", "with", "improvement_pct", "queries", "candidates"})
     table.columns.push_back({key, ""});
   return table;
 }
 
 Table paper_choices(const Table& views) {
   Table table{"paper_choices", "", {}, {}};
-  for (const char* key :
-       {"scene", "variant", "queries", "candidates", "with", "improvement", "kept", "lower", "median", "upper"})
+  for (const char* key : {"scene", "variant", "queries", "candidates", "with", "improvement_pct", "kept", "lower_pct",
+                          "median_pct", "upper_pct"})
     table.columns.push_back({key, ""});
   for (const Json& of_figure : views.rows) {
     if (of_figure["view"] != figure) continue;
     std::vector<double> improvements;
     for (const Json& row : views.rows)
       if (row["scene"] == of_figure["scene"] && row["variant"] == of_figure["variant"] && row["view"] != figure)
-        improvements.push_back(row["improvement"]);
+        improvements.push_back(row["improvement_pct"]);
     std::sort(improvements.begin(), improvements.end());
     Json choice = {{"kept", improvements.size()}};
-    for (const char* key : {"scene", "variant", "queries", "candidates", "with", "improvement"})
+    for (const char* key : {"scene", "variant", "queries", "candidates", "with", "improvement_pct"})
       choice[key] = of_figure[key];
     if (!improvements.empty())
-      choice.update({{"lower", quantile(improvements, 0.25)},
-                     {"median", quantile(improvements, 0.5)},
-                     {"upper", quantile(improvements, 0.75)}});
+      choice.update({{"lower_pct", quantile(improvements, 0.25)},
+                     {"median_pct", quantile(improvements, 0.5)},
+                     {"upper_pct", quantile(improvements, 0.75)}});
     table.add(std::move(choice));
   }
   return table;
@@ -236,20 +237,26 @@ Table paper_choices_by_scene(const Table& choices) {
     if (table.columns.back().key != scene) table.columns.push_back({scene, scene});
     auto row = std::find_if(table.rows.begin(), table.rows.end(),
                             [&](const Json& other) { return other["variant"] == choice["variant"]; });
-    if (row == table.rows.end()) row = table.rows.insert(row, {{"variant", choice["variant"]}});
-    (*row)[scene] = cell(choice["improvement"], 0);
-    if (choice.contains("median"))
-      (*row)[scene] = fmt::format("{}; {}, {}, {}", cell(choice["improvement"], 0), cell(choice["lower"], 0),
-                                  cell(choice["median"], 0), cell(choice["upper"], 0));
+    if (row == table.rows.end()) {
+      table.add({{"variant", choice["variant"]}});
+      row = std::prev(table.rows.end());
+    }
+    (*row)[scene] = cell(choice["improvement_pct"], 0);
+    if (choice.contains("median_pct"))
+      (*row)[scene] = fmt::format("{}; {}, {}, {}", cell(choice["improvement_pct"], 0), cell(choice["lower_pct"], 0),
+                                  cell(choice["median_pct"], 0), cell(choice["upper_pct"], 0));
   }
   return table;
 }
 
 Table paper_gains(const Table& scenes) {
   return {"paper_gains",
-          "What is gained over the paper's LOD, and the depth RMS over that of it.",
+          "The same in short.",
           {{"scene", "scene"},
            {"lod", "the paper's LOD"},
+           {"oc", "with its occlusion"},
+           {"ir_pct", "gain, %", 0},
+           {"paper_ir_pct", "in the paper", 0},
            {"ours", "ours, no occlusion"},
            {"ours_oc", "ours, with occlusion"},
            {"depth_rms_ratio", "depth RMS over the paper's LOD", 2}},

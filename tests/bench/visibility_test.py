@@ -126,14 +126,14 @@ class Visibility(unittest.TestCase):
             self.assertTrue(0 < len(random) < scene["views"])
             for row in random:
                 self.assertLessEqual(abs(row["without"] - 354.6), 35.46)
-                self.assertAlmostEqual(row["improvement"], 100 * (row["with"] / row["without"] - 1))
-            quartiles = statistics.quantiles([row["improvement"] for row in random], n=4, method="inclusive")
-            for key, quartile in zip(("lower", "median", "upper"), quartiles):
+                self.assertAlmostEqual(row["improvement_pct"], 100 * (row["with"] / row["without"] - 1))
+            quartiles = statistics.quantiles([row["improvement_pct"] for row in random], n=4, method="inclusive")
+            for key, quartile in zip(("lower_pct", "median_pct", "upper_pct"), quartiles):
                 self.assertAlmostEqual(choice[key], quartile)
         queries = {choice["variant"]: choice["queries"] for choice in tables["paper_choices"]}
         self.assertGreater(queries["every level"], 1.5 * queries["as published"])
         [published] = [choice for choice in tables["paper_choices"] if choice["variant"] == "as published"]
-        self.assertEqual((scene["ir"], scene["median_ir"]), (published["improvement"], published["median"]))
+        self.assertEqual((scene["ir_pct"], scene["median_ir_pct"]), (published["improvement_pct"], published["median_pct"]))
 
     def test_missing_mesh_is_told(self):
         (self.folder / "gone.json").write_text("""{"objects": [{"mesh": "nowhere.ply"}], "cameras": {"default": {"eye": [0, 0, 3], "target": [0, 0, 0]}}}""")
