@@ -1,7 +1,7 @@
 # Compiles sources in groups, each a source that includes up to eight of them: most of the time goes to the headers of the
 # C++ library, GoogleTest, CLI11 and JSON. That hides includes that sources lack, names in one file shadow those of another,
-# and one change compiles a whole group again, so scripts/demo.sh, scripts/test.sh and the Python package ask for it and
-# nobody else. Targets whose property UNITY_BUILD says OFF are compiled as ever.
+# and one change compiles a whole group again, so the presets for development do not ask for it, but those of what is
+# measured, installed and tested do, and the Python package. Targets whose property UNITY_BUILD says OFF are compiled as ever.
 option(OCCLOD_UNITY "Compile sources in groups, in about half of the processor time" OFF)
 
 # Groups the sources of all targets of the project, after the last of them.

@@ -1,88 +1,98 @@
 #!/usr/bin/env bash
-# Sets up, builds and runs the benchmarks one after the other. Results as text and JSON go to out/bench/.
+# Sets up, builds and makes the figures of the pages of docs/benchmarks anew, page by page. Results as text, CSV and JSON go to
+# out/bench/PAGE.
+# bench.sh [PAGE...]
+#   PAGE  building, accuracy, refinement, occlusion, hlod, view_cells, devices; all of them when none is named.
+#         What needs a GPU or many cores is measured by check_gpu.sh, robustness by test.sh, sanitize.sh and fuzz.sh.
 # OCCLOD_MESHES: folders with real meshes, separated by ':'; benchmarks leave out those that are missing and say so.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-out=out/bench
+pages=(building accuracy refinement occlusion hlod view_cells devices)
+programs=build/bench/bench
+
+# run PROGRAM RESULT [OPTION...]: prints what it measures, and keeps it as out/bench/PAGE/RESULT.
+run() {
+  local program=$1 result=$2
+  shift 2
+  echo "$(basename "$program")" >&2
+  "$programs/$program" "$@" | tee "$out/$result"
+}
+
+# Google Benchmark's programs: medians of several repetitions, as text and JSON.
+run_repeated() {
+  run "$1" "$1$2.txt" --benchmark_repetitions="$3" --benchmark_report_aggregates_only=true --benchmark_counters_tabular=true \
+    --benchmark_out="$out/$1$2.json" --benchmark_out_format=json
+}
+
+building() {
+  run_repeated bench_build "" 3
+  run bench_build_peers build_peers.txt --repeat 5 --json "$out/build_peers.json"
+  run bench_wedges wedges.md --percents 25 10 5 2.5 1 --csv "$out/wedges.csv"
+  run bench_hlod_build hlod_build.md --only-time --threads 1 --repeat 3
+  run bench_frames frames_vdpm.md --tables vdpm
+}
+
+accuracy() {
+  run bench_error_bound error_bound.md
+  scripts/report.sh --bench $programs/report/bench_report --out "$out/report"
+}
+
+# docs/images has the bird's-eye pictures of armadillo_group and planet_near that bench_visibility leaves in out/bench/refinement/paper.
+# bench_refine builds and keeps the planet of level 11, 33.5 million triangles: a minute, 8 GB of memory and 2 GB of disk.
+# bench_targets.sh builds the version that it compares with.
+refinement() {
+  scripts/demo.sh
+  run visibility/bench_visibility paper.md --paper --out "$out/paper"
+  run bench_refine refine.md --folder "$out/planets"
+  run bench_scratch scratch.md
+  run bench_limit limit.md
+  run bench_locality locality.md
+  run bench_frames frames.md --frames 60 --repeat 3
+  run visibility/bench_effects effects.md --frames 1 --search 1 --repeat 5
+  scripts/hlod_tables.sh --only splits
+  scripts/bench_targets.sh
+}
+
+occlusion() {
+  run visibility/bench_visibility visibility.md --out "$out/visibility"
+  run visibility/bench_visibility wrongly_hidden.md --wrongly-hidden --out "$out/visibility"
+  run bench_software_occlusion software_occlusion.txt
+  run bench_gl_occlusion gl_occlusion.txt || echo "bench_gl_occlusion is left out" >&2
+}
+
+hlod() {
+  scripts/hlod_report.sh
+}
+
+view_cells() {
+  scripts/viewcells_tables.sh
+  run bench_cells cells.csv
+  for name in order shrunk rays; do run viewcells/bench_cell_$name cell_$name.csv; done
+  scripts/cells_report.sh
+}
+
+# llvmpipe without threads of its own and with two.
+devices() {
+  run_repeated bench_hlod_device "" 3
+  for threads in 0 2; do
+    LP_NUM_THREADS=$threads run_repeated bench_gl_device _$threads 7 || echo "bench_gl_device is left out" >&2
+  done
+}
+
+[ $# -gt 0 ] || set -- "${pages[@]}"
+for page in "$@"; do
+  if [[ " ${pages[*]} " != *" $page "* ]]; then
+    echo "bench.sh: no page $page; there are ${pages[*]}" >&2
+    exit 2
+  fi
+done
 
 scripts/setup.sh
 scripts/build.sh bench
-mkdir -p "$out"
-
-echo "bench_build" >&2
-build/bench/bench/bench_build --benchmark_repetitions=3 --benchmark_report_aggregates_only=true --benchmark_counters_tabular=true \
-  --benchmark_out="$out/build.json" --benchmark_out_format=json | tee "$out/build.txt"
-
-echo "bench_build_peers" >&2
-build/bench/bench/bench_build_peers --repeat 5 --json "$out/build_peers.json" | tee "$out/build_peers.txt"
-
-echo "bench_error_bound" >&2
-build/bench/bench/bench_error_bound | tee "$out/error_bound.md"
-
-echo "bench_wedges" >&2
-build/bench/bench/bench_wedges --repeat 3 --csv "$out/wedges.csv" | tee "$out/wedges.md"
-
-echo "bench_hlod_build" >&2
-build/bench/bench/bench_hlod_build | tee "$out/hlod_build.md"
-
-# Builds and keeps the planet of level 11, 33.5 million triangles: a minute, 8 GB of memory and 2 GB of disk.
-echo "bench_refine" >&2
-build/bench/bench/bench_refine --folder "$out/planets" | tee "$out/refine.md"
-
-echo "bench_scratch" >&2
-build/bench/bench/bench_scratch | tee "$out/scratch.md"
-
-echo "bench_limit" >&2
-build/bench/bench/bench_limit | tee "$out/limit.md"
-
-echo "bench_locality" >&2
-build/bench/bench/bench_locality | tee "$out/locality.md"
-
-echo "bench_cells" >&2
-build/bench/bench/bench_cells | tee "$out/cells.csv"
-
-for name in order shrunk rays; do
-  echo "bench_cell_$name" >&2
-  "build/bench/bench/viewcells/bench_cell_$name" | tee "$out/cell_$name.csv"
+for page in "$@"; do
+  out=out/bench/$page
+  mkdir -p "$out"
+  $page
 done
-
-echo "bench_cover_probability" >&2
-build/bench/bench/cover/bench_cover_probability | tee "$out/cover_probability.md"
-
-echo "bench_software_occlusion" >&2
-build/bench/bench/bench_software_occlusion | tee "$out/software_occlusion.txt"
-
-echo "bench_hlod_device" >&2
-build/bench/bench/bench_hlod_device --benchmark_counters_tabular=true --benchmark_out="$out/hlod_device.json" \
-  --benchmark_out_format=json | tee "$out/hlod_device.txt"
-
-echo "bench_stability" >&2
-build/bench/bench/report/bench_stability | tee "$out/stability.md"
-
-echo "bench_frames" >&2
-build/bench/bench/bench_frames | tee "$out/frames.md"
-
-echo "bench_visibility" >&2
-build/bench/bench/visibility/bench_visibility --out "$out/visibility" | tee "$out/visibility.md"
-build/bench/bench/visibility/bench_visibility --wrongly-hidden --out "$out/visibility" | tee "$out/wrongly_hidden.md"
-
-echo "bench_report" >&2
-scripts/report.sh --bench build/bench/bench/report/bench_report --out "$out/report"
-
-echo "bench_gl_occlusion" >&2
-build/bench/bench/bench_gl_occlusion | tee "$out/gl_occlusion.txt" || echo "bench_gl_occlusion is left out" >&2
-
-# llvmpipe without threads of its own and with two.
-for threads in 0 2; do
-  echo "bench_gl_device, LP_NUM_THREADS=$threads" >&2
-  LP_NUM_THREADS=$threads build/bench/bench/bench_gl_device --benchmark_repetitions=7 --benchmark_report_aggregates_only=true \
-    --benchmark_counters_tabular=true --benchmark_out="$out/gl_device_$threads.json" --benchmark_out_format=json |
-    tee "$out/gl_device_$threads.txt" || echo "bench_gl_device is left out" >&2
-done
-
-# Builds the version that it compares with. Prints and writes the table of targets and verdicts.
-echo "bench_targets" >&2
-scripts/bench_targets.sh
-
-echo "Results: $PWD/$out"
+echo "Results: $PWD/out/bench"

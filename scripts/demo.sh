@@ -12,9 +12,7 @@ backends=(none software gl-query)
 out=out/demo
 
 scripts/setup.sh
-# The library and the command line alone: the viewer, what needs CGAL and the server of tiles take most of the time to build.
-scripts/build.sh release -DOCCLOD_BUILD_TESTS=OFF -DOCCLOD_BUILD_VIEWER=OFF -DOCCLOD_WITH_CGAL=OFF -DOCCLOD_WITH_SERVER=OFF \
-  -DOCCLOD_UNITY=ON
+scripts/build.sh demo
 scripts/get_demo_meshes.sh || echo "demo: going on with the meshes that are there" >&2
 
 rm -rf "$out"
@@ -27,7 +25,7 @@ for scene in "${scenes[@]}"; do
       options=()
       [ "$culling" = star ] || options=(--paper)
       echo "$scene, $culling culling, $backend" >&2
-      if ! build/release/tools/occlod render "meshes/scenes/$scene.json" --json --budget "$budget" --repeat "$repeat" --reference \
+      if ! build/demo/tools/occlod render "meshes/scenes/$scene.json" --json --budget "$budget" --repeat "$repeat" --reference \
           "${options[@]}" --occlusion "$backend" --png "${name}.png" --birdseye "${name}_birdseye.png" >"$name.json"; then
         rm -f "$name.json"
         # A machine without any OpenGL can still show everything else.

@@ -21,7 +21,7 @@ esac
 
 scripts/setup.sh
 scripts/build.sh release -U "OCCLOD_BUILD_*" -U "OCCLOD_WITH_*" -DOCCLOD_BUILD_TESTS=ON \
-  -DOCCLOD_BUILD_BENCH=$benchmarks -DOCCLOD_WARNINGS_AS_ERRORS=ON -DOCCLOD_TEST_PCH=ON -DOCCLOD_UNITY=ON
+  -DOCCLOD_BUILD_BENCH=$benchmarks -DOCCLOD_WARNINGS_AS_ERRORS=ON -DOCCLOD_TEST_PCH=ON
 
 results=build/release/Testing
 rm -rf "$results/gtest" "$results/junit.xml"

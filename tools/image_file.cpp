@@ -19,7 +19,7 @@ namespace occlod::tool {
 namespace {
 
 constexpr std::int64_t max_pixels = std::int64_t{1} << 28U;
-constexpr char remedy[] = "convert it to PNG or JPEG, or leave it out with --texture none";
+constexpr char remedy[] = "convert it to PNG or JPEG, or draw without textures";
 
 }  // namespace
 
@@ -43,7 +43,7 @@ Image decode_image(std::span<const std::uint8_t> bytes, const std::string& name)
 Image read_image(const std::filesystem::path& file) {
   require_no_special_file(file);
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw Error({file.string(), "", "the image cannot be opened", "put it there, or use --texture none"});
+  if (!stream) throw Error({file.string(), "", "the image cannot be opened", "put it there, or draw without textures"});
   const std::vector<char> bytes((std::istreambuf_iterator<char>(stream)), {});
   return decode_image({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, file.string());
 }

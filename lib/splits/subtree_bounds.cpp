@@ -259,8 +259,8 @@ class SubtreeBounds {
     }
   }
 
-  // The paper uses the normal of the split vertex as the axis; we use the mean normal of the subtree, which is that of
-  // its surface at every level.
+  // Birkholz & Rahn, sec. 4, use the normal of the split vertex as the axis; we use the mean normal of the subtree,
+  // which is that of its surface at every level.
   void start_bounds(NodeExtents& nodes, std::size_t i, const Region& region) {
     PackedBounds bounds;
     bounds.set_axis(unit_or(region.normal, glm::vec3(0, 0, 1)));

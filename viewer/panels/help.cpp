@@ -31,24 +31,29 @@ constexpr std::array<Line, 17> mouse = {{{"left drag", "orbit; look around when 
                                          {"Ctrl + S", "save the scene"},
                                          {"Ctrl + click", "type the value of a slider"}}};
 
+constexpr float widest_ems = 68.0F;
+
 void draw_cells(const char* keys, const char* what) {
   ImGui::TableNextColumn();
   ImGui::TextColored(accent_color(), "%s", keys);
   ImGui::TableNextColumn();
-  ImGui::Text("%s    ", what);
+  ImGui::TextWrapped("%s", what);
 }
 
 }  // namespace
 
-void draw_help(Panels& panels, const Layout& layout) {
+void draw_help(Panels& panels) {
   if (!panels.session.state().settings.window.help) return;
   bool open = true;
-  const ImVec2 middle((layout.view.low.x + layout.view.high.x) / 2.0F, (layout.view.low.y + layout.view.high.y) / 2.0F);
-  ImGui::SetNextWindowPos(middle, ImGuiCond_Always, ImVec2(0.5F, 0.5F));
+  const ImVec2 whole = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos(ImVec2(whole.x / 2.0F, whole.y / 2.0F), ImGuiCond_Always, ImVec2(0.5F, 0.5F));
+  ImGui::SetNextWindowSize(ImVec2(std::min(widest_ems * ImGui::GetFontSize(), 0.96F * whole.x), 0.0F));
   ImGui::Begin("Keys and mouse", &open,
-               ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
+               ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
   const std::vector<KeyBinding>& bindings = key_bindings();
   if (ImGui::BeginTable("help", 4, ImGuiTableFlags_SizingFixedFit)) {
+    for (const bool text : {false, true, false, true})
+      ImGui::TableSetupColumn("", text ? ImGuiTableColumnFlags_WidthStretch : ImGuiTableColumnFlags_WidthFixed);
     for (std::size_t i = 0; i < std::max(mouse.size(), bindings.size()); ++i) {
       ImGui::TableNextRow();
       const Line& line = i < mouse.size() ? mouse[i] : Line{"", ""};

@@ -101,7 +101,7 @@ void draw_panels(Panels& panels, const Layout& layout, const std::vector<ImTextu
   draw_messages(panels, layout);
   draw_start(panels, layout);
   draw_open_dialogue(panels, layout);
-  draw_help(panels, layout);
+  draw_help(panels);
 }
 
 }  // namespace occlod::viewer

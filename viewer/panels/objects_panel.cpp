@@ -28,7 +28,7 @@ void draw_row(Panels& panels, const PlacedObject& object) {
   ImGui::SameLine();
   const bool selected = panels.session.state().selected == object.id;
   if (ImGui::Selectable(object.name.c_str(), selected)) panels.perform("select", {{"object", object.id}});
-  draw_help_of_item(about(object).c_str());
+  draw_help_of_item((object.name + "\n" + about(object)).c_str());  // the sidebar cuts long names off
   ImGui::PopID();
 }
 

@@ -101,6 +101,6 @@ void draw_legend(Panels& panels, const Layout& layout);
 // Returns what the colours of the view stand for; nothing where they tell nothing.
 [[nodiscard]] std::vector<LegendEntry> legend_of(const Session& session);
 void draw_messages(Panels& panels, const Layout& layout);
-void draw_help(Panels& panels, const Layout& layout);
+void draw_help(Panels& panels);
 
 }  // namespace occlod::viewer
