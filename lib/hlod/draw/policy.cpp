@@ -59,8 +59,10 @@ Action predict_coherent(FrameScene& scene, NodeRef n, Coherence coherence) {
   if (scene.is_fine(n, 1.0)) return Action::stop;
   const bool knows_bias = !last.refined || (last.asked && coherence == Coherence::mended);
   if (knows_bias && scene.stops(n, static_cast<double>(scene.state(n).bias))) return Action::stop;
-  if (!last.refined || !may_move_up(scene, n)) return Action::refine;
-  return coherence == Coherence::mended ? Action::descend : Action::delay;
+  if (!last.refined) return Action::refine;
+  const bool mends = coherence == Coherence::mended;
+  if (!may_move_up(scene, n) && !(mends && scene.state(n).early)) return Action::refine;
+  return mends ? Action::descend : Action::delay;
 }
 
 std::unique_ptr<Policy> make_policy(Strategy strategy) {

@@ -1,6 +1,7 @@
 #include "hlod/draw/traversal.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 namespace occlod::hlod {
@@ -11,11 +12,11 @@ constexpr std::size_t max_hidden = 50;
 
 }  // namespace
 
-void Questions::begin_frame(const FrameScene& scene, Policy& policy, RenderDevice& device, FrameStats& stats) {
+void Questions::begin_frame(FrameScene& scene, Policy& policy, RenderDevice& device, Frame& frame) {
   scene_ = &scene;
   policy_ = &policy;
   device_ = &device;
-  stats_ = &stats;
+  frame_ = &frame;
   asked_.clear();
   kept_.clear();
   hidden_.clear();
@@ -42,8 +43,8 @@ void Questions::ask(const AskedNode& n, bool was_visible) {
 void Questions::ask_singly(const AskedNode& n) {
   boxes_.clear();
   policy_->add_boxes(*scene_, n.ref, boxes_);
-  asked_.push_back({.node = n, .query = device_->ask(boxes_)});
-  ++stats_->queries;
+  asked_.push_back({.node = n, .query = device_->ask(boxes_), .draws = frame_->draws.size()});
+  ++frame_->stats.queries;
 }
 
 void Questions::ask_round() {
@@ -52,8 +53,9 @@ void Questions::ask_round() {
     boxes_.clear();
     for (const AskedNode& n : kept_) boxes_.push_back({n.ref.object, scene_->node(n.ref).box});
     const std::span<const std::uint32_t> counts = device_->wait(device_->ask_each(boxes_));
-    for (std::size_t i = 0; i < kept_.size(); ++i) asked_.push_back({.node = kept_[i], .visible = counts[i]});
-    stats_->queries += kept_.size();
+    for (std::size_t i = 0; i < kept_.size(); ++i) 
+      asked_.push_back({.node = kept_[i], .visible = counts[i], .draws = frame_->draws.size()});
+    frame_->stats.queries += kept_.size();
   } else {
     for (const AskedNode& n : kept_) asked_.push_back({.node = n, .was_asked = false});
   }
@@ -79,7 +81,7 @@ void Questions::ask_groups() {
     const QueryId query = device_->ask(boxes_);
     for (const NodeRef n : rest.first(size))
       asked_.push_back({.node = {n, 0.0}, .query = query, .group = static_cast<std::uint32_t>(size)});
-    ++stats_->queries;
+    ++frame_->stats.queries;
     rest = rest.subspan(size);
   }
   hidden_.clear();
@@ -103,7 +105,7 @@ void Questions::settle_group() {
     for (std::size_t i = settled_; i < settled_ + size; ++i) asked_[i].is_known = true;
     return;
   }
-  ++stats_->wasted_queries;
+  ++frame_->stats.wasted_queries;
   for (std::size_t i = settled_; i < settled_ + size; ++i) ask_singly(with_pixels(asked_[i].node.ref));
   settled_ += size;
 }
@@ -151,6 +153,22 @@ bool Questions::ask_waiting() {
   return true;
 }
 
+void Questions::mark_early() {
+  std::size_t draws = frame_->draws.size();
+  double nearest = std::numeric_limits<double>::infinity();  // of what was drawn after the query
+  for (std::size_t i = asked_.size(); i-- > 0;) {
+    const Question& question = asked_[i];
+    for (; draws > question.draws; --draws) {
+      const DrawnNode& drawn = frame_->draws[draws - 1];
+      nearest = std::min(nearest, distance_of({drawn.object, drawn.node}));
+    }
+    NodeState& state = scene_->state(question.node.ref);
+    if (state.answered && question.was_asked && question.group == 1) state.early = nearest < distance_of(question.node.ref);
+  }
+}
+
+double Questions::distance_of(NodeRef n) const { return scene_->view_of(n).distance(scene_->node(n).box); }
+
 namespace {
 
 // Returns the visible share of a box from two counts of pixels. By the paper's alpha, flat boxes cover none.
@@ -170,7 +188,7 @@ Traversal::Traversal(FrameScene& scene, Policy& policy, RenderDevice& device, Tr
       asked_(frame.asked),
       draws_(scene, device, memory.cuts, frame),
       front_(scene, memory.reached, draws_) {
-  memory_.questions.begin_frame(scene, policy, device, stats_);
+  memory_.questions.begin_frame(scene, policy, device, frame);
   memory_.cuts.begin_frame();
 }
 
@@ -187,6 +205,7 @@ void Traversal::run() {
     else if (!questions.ask_waiting())
       break;
   }
+  questions.mark_early();
   policy_.end_frame(scene_);
   scene_.end_frame(front_.reached());
 }
