@@ -33,6 +33,13 @@ bool may_move_up(FrameScene& scene, NodeRef n) {
   return scene.stops(n, count > 0 ? sum / count : 1.0);
 }
 
+// Returns whether the last answer about the node came through a hole in the front, and a smaller one could stop it. The
+// biases of its children do not tell: their mean may be above that of the node.
+bool saw_too_much(const FrameScene& scene, NodeRef n) {
+  constexpr double hardly = 1e-300;
+  return scene.state(n).through_hole && scene.is_fine(n, scene.bias(hardly));
+}
+
 class CoherentPolicy : public Policy {
  public:
   void begin_frame(const FrameScene& scene) override { coherence_ = scene.trial().coherence; }
@@ -61,7 +68,7 @@ Action predict_coherent(FrameScene& scene, NodeRef n, Coherence coherence) {
   if (knows_bias && scene.stops(n, static_cast<double>(scene.state(n).bias))) return Action::stop;
   if (!last.refined) return Action::refine;
   const bool mends = coherence == Coherence::mended;
-  if (!may_move_up(scene, n) && !(mends && scene.state(n).early)) return Action::refine;
+  if (!may_move_up(scene, n) && !(mends && saw_too_much(scene, n))) return Action::refine;
   return mends ? Action::descend : Action::delay;
 }
 

@@ -21,6 +21,7 @@ void Questions::begin_frame(FrameScene& scene, Policy& policy, RenderDevice& dev
   kept_.clear();
   hidden_.clear();
   urgent_.clear();
+  last_.clear();
   settled_ = kept_asked_ = 0;
 }
 
@@ -31,13 +32,19 @@ void Questions::ask(const AskedNode& n, bool was_visible) {
     case Asking::by_rounds:
       return kept_.push_back(n);
     case Asking::late:
-      if (was_visible) return kept_.push_back(n);
+      if (was_visible) return keep(n);
       return urgent_.push({scene_->view_of(n.ref).distance(scene_->node(n.ref).box), n.ref, 0});
     case Asking::by_groups:
-      if (was_visible) return kept_.push_back(n);
+      if (was_visible) return keep(n);
       hidden_.push_back(n.ref);
       if (hidden_.size() >= max_hidden) ask_groups();
   }
+}
+
+// Keeps a formerly visible node for later. What was refined by an answer through a hole waits until there is none.
+void Questions::keep(const AskedNode& n) {
+  const bool is_last = scene_->last(n.ref).refined && scene_->state(n.ref).through_hole;
+  (is_last ? last_ : kept_).push_back(n);
 }
 
 void Questions::ask_singly(const AskedNode& n) {
@@ -53,7 +60,7 @@ void Questions::ask_round() {
     boxes_.clear();
     for (const AskedNode& n : kept_) boxes_.push_back({n.ref.object, scene_->node(n.ref).box});
     const std::span<const std::uint32_t> counts = device_->wait(device_->ask_each(boxes_));
-    for (std::size_t i = 0; i < kept_.size(); ++i) 
+    for (std::size_t i = 0; i < kept_.size(); ++i)
       asked_.push_back({.node = kept_[i], .visible = counts[i], .draws = frame_->draws.size()});
     frame_->stats.queries += kept_.size();
   } else {
@@ -148,12 +155,18 @@ bool Questions::ask_waiting() {
     ask_groups();
     return true;
   }
-  if (kept_asked_ == kept_.size()) return false;
-  ask_singly(kept_[kept_asked_++]);
+  if (kept_asked_ < kept_.size()) {
+    ask_singly(kept_[kept_asked_++]);
+    return true;
+  }
+  if (last_.empty()) return false;
+  for (const AskedNode& n : last_) ask_singly(n);
+  last_.clear();
   return true;
 }
 
-void Questions::mark_early() {
+void Questions::mark_holes() {
+  if (!policy_->biased()) return;
   std::size_t draws = frame_->draws.size();
   double nearest = std::numeric_limits<double>::infinity();  // of what was drawn after the query
   for (std::size_t i = asked_.size(); i-- > 0;) {
@@ -163,7 +176,8 @@ void Questions::mark_early() {
       nearest = std::min(nearest, distance_of({drawn.object, drawn.node}));
     }
     NodeState& state = scene_->state(question.node.ref);
-    if (state.answered && question.was_asked && question.group == 1) state.early = nearest < distance_of(question.node.ref);
+    if (state.answered && question.was_asked && question.group == 1)
+      state.through_hole = nearest < distance_of(question.node.ref);
   }
 }
 
@@ -205,7 +219,7 @@ void Traversal::run() {
     else if (!questions.ask_waiting())
       break;
   }
-  questions.mark_early();
+  questions.mark_holes();
   policy_.end_frame(scene_);
   scene_.end_frame(front_.reached());
 }

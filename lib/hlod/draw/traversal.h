@@ -120,9 +120,9 @@ class Questions {
  public:
   // The references must outlive the frame.
   void begin_frame(FrameScene& scene, Policy& policy, RenderDevice& device, Frame& frame);
-  // Marks nodes that were seen through a hole: something nearer was drawn after their query. Is called when all answers
-  // of the frame have been read. O(queries + draws).
-  void mark_early();
+  // Sets NodeState::through_hole of the nodes that were queried; is called after the last draw of a frame.
+  // O(queries + draws).
+  void mark_holes();
 
   // Makes a query now or later, as the policy says. `was_visible` tells that nothing waits for the answer.
   void ask(const AskedNode& n, bool was_visible);
@@ -145,6 +145,7 @@ class Questions {
   };
   [[nodiscard]] AskedNode with_pixels(NodeRef n) const;
   [[nodiscard]] double distance_of(NodeRef n) const;
+  void keep(const AskedNode& n);
   void ask_singly(const AskedNode& n);
   void ask_round();
   void ask_groups();
@@ -161,6 +162,7 @@ class Questions {
   std::size_t settled_ = 0;      // number of entries of asked_ that are settled
   std::vector<AskedNode> kept_;  // for the next round; with `late` or groups, formerly visible nodes, for idle moments
   std::size_t kept_asked_ = 0;   // number of entries of kept_ that were queried
+  std::vector<AskedNode> last_;  // with `late` or groups: formerly visible nodes for when all other answers are there
   DistanceQueue urgent_;         // with `late`: nodes that were not visible, for when there is nothing else to do
   std::vector<NodeRef> hidden_;  // with groups: nodes that were not visible
   std::vector<BoxRef> boxes_;    // of the query that is being made
