@@ -33,11 +33,14 @@ bool may_move_up(FrameScene& scene, NodeRef n) {
   return scene.stops(n, count > 0 ? sum / count : 1.0);
 }
 
-// Returns whether the last answer about the node came through a hole in the front, and a smaller one could stop it. The
-// biases of its children do not tell: their mean may be above that of the node.
-bool saw_too_much(const FrameScene& scene, NodeRef n) {
+// Returns whether the last answer about a refined node came through a hole in the front, and a smaller one could stop
+// it. The biases of its children do not tell: their mean may be above that of the node.
+bool saw_too_much(FrameScene& scene, NodeRef n) {
   constexpr double hardly = 1e-300;
-  return scene.state(n).through_hole && scene.is_fine(n, scene.bias(hardly));
+  const NodeState& state = scene.state(n);
+  if (!state.through_hole || !scene.is_fine(n, scene.bias(hardly))) return false;
+  (void)scene.stops(n, static_cast<double>(state.bias));  // where only a floor has refined the node, it has to stay
+  return true;
 }
 
 class CoherentPolicy : public Policy {

@@ -336,6 +336,8 @@ void Traversal::settle_unasked(NodeRef n) {
 
 void Traversal::settle_hidden(NodeRef n) {
   NodeState& state = scene_.state(n);
+  // It is asked again only for its bias, while its children, which are asked too, are drawn.
+  if (state.status == Status::refined && state.through_hole) return;
   // What is below it may have been seen before this answer, so that it counts as visible in the next frame: hardly,
   // or in full where there is no bias.
   constexpr double hardly = 1e-300;
