@@ -110,6 +110,7 @@ struct NodeState {
   bool wasted : 1 = false;        // answered visible, which decided nothing
   bool answered : 1 = false;      // the answer was read
   bool through_hole : 1 = false;  // something nearer was drawn after the query that gave the bias: it may be too large
+  bool asked_again : 1 = false;   // for that reason, and it has not stopped since: once is enough
   bool last_visited : 1 = false;
   bool last_visible : 1 = false;
   bool last_refined : 1 = false;
@@ -129,7 +130,7 @@ inline void enter_frame(NodeState& state, std::uint32_t frame) noexcept {
   const LastFrame last = last_frame(state, frame);
   if (!last.visited) {
     state.bias = 1.0F;
-    state.through_hole = false;
+    state.through_hole = state.asked_again = false;
   }
   state.last_visited = last.visited;
   state.last_visible = last.visible;

@@ -43,8 +43,9 @@ void Questions::ask(const AskedNode& n, bool was_visible) {
 
 // Keeps a formerly visible node for later. What was refined by an answer through a hole waits until there is none.
 void Questions::keep(const AskedNode& n) {
-  const bool is_last = scene_->last(n.ref).refined && scene_->state(n.ref).through_hole;
-  (is_last ? last_ : kept_).push_back(n);
+  NodeState& state = scene_->state(n.ref);
+  state.asked_again = state.asked_again || (state.through_hole && scene_->last(n.ref).refined);
+  (state.through_hole && state.asked_again ? last_ : kept_).push_back(n);
 }
 
 void Questions::ask_singly(const AskedNode& n) {
@@ -176,8 +177,9 @@ void Questions::mark_holes() {
       nearest = std::min(nearest, distance_of({drawn.object, drawn.node}));
     }
     NodeState& state = scene_->state(question.node.ref);
-    if (state.answered && question.was_asked && question.group == 1)
-      state.through_hole = nearest < distance_of(question.node.ref);
+    if (!state.answered || !question.was_asked || question.group > 1) continue;
+    state.asked_again = state.asked_again && state.status == Status::refined;
+    state.through_hole = nearest < distance_of(question.node.ref) && !state.asked_again;
   }
 }
 
