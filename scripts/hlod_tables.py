@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """hlod_tables.py FOLDER: the tables of Charalambos 2006, of Charalambos and others 2007 and of Guthe and others 2006 with our figures beside theirs, and what
-HLODs are asked to reach with verdicts, from what scripts/hlod_runs.py has left in FOLDER; and all runs as FOLDER/runs.csv. What is missing there is missing
-here."""
+HLODs are asked to reach with verdicts, from what scripts/hlod_runs.py has left in FOLDER; and all runs as FOLDER/runs.csv, Coh(B) by speed and latency as
+FOLDER/motion.csv. What is missing there is missing here."""
 import csv
 import hashlib
 import json
@@ -392,6 +392,16 @@ def write_csv(results):
         table_of_runs.writerows(rows)
 
 
+def write_motion_csv(results):
+    with open(results.folder / "motion.csv", "w", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(["scene", "motion", "way", "drawn_nodes", "over_sw_b", "delayed_share", "rarn_share"])
+        for scene in SECOND:
+            for part, name, told in by_motion(results, scene):
+                motion = "still" if part == "still" else f"1/{part[4:]}"
+                table.writerow([scene, motion, name, *(f"{told[key]:.6g}" for key in ("drawn", "nodes", "delayed", "rarn"))])
+
+
 def print_tables(document, results):
     print_scenes(document, results)
     print_first_paper(document, results)
@@ -414,6 +424,7 @@ def main():
     print(f"# HLODs refined by occlusion queries\n\n{about['date']}, {about['machine']}{', quick: rough figures' if about['quick'] else ''}\n")
     print_tables(Markdown(), results)
     write_csv(results)
+    write_motion_csv(results)
 
 
 if __name__ == "__main__":
