@@ -71,7 +71,8 @@ class Results:
     def mended(self, scene):
         """The same, but for Coh(B), which asks when all that is known to be visible has been drawn."""
         mended = self.session("mended", scene) if scene in FIRST else self.runs(f"mended_{scene}_walk")
-        return {**self.second(scene), **mended} if mended else {}
+        second = self.second(scene)
+        return {**second, **mended} if second and mended else {}
 
 
 def averaged(runs):
