@@ -1,6 +1,7 @@
 // bench_visibility: the evaluation of Birkholz & Rahn on our scenes, and what it leaves open. Prints markdown; --out
 // also writes every table as CSV, all of them as one JSON file, and pictures.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -20,9 +21,15 @@ namespace fs = std::filesystem;
 const std::vector<std::string> all_scenes = {"armadillo", "armadillo_group", "planet_full", "planet_near",
                                              "sponza",    "sibenik",         "city",        "ww2_city"};
 
+// Those of the paper's figures.
+const std::vector<std::string> paper_scenes = {
+    OCCLOD_BENCH_SCENES "/birkholz_rahn/armadillo.json", OCCLOD_BENCH_SCENES "/birkholz_rahn/armadillo_group.json",
+    OCCLOD_BENCH_SCENES "/birkholz_rahn/planet_full.json", OCCLOD_BENCH_SCENES "/birkholz_rahn/planet_near.json"};
+
 struct Options {
-  std::vector<std::string> scenes = all_scenes;
+  std::vector<std::string> scenes;  // none: all_scenes or paper_scenes
   VisibilityOptions visibility;
+  bool paper = false;
   bool wrongly_hidden = false;
 };
 
@@ -33,6 +40,7 @@ void make_quick(VisibilityOptions& options) {
   options.repeat = 1;
   options.share_frames = 2;
   options.views = 3;
+  options.paper_views = 30;
   options.path_frames = 2;
   options.size = {160, 120};
   options.hidden_size = {96, 72};
@@ -55,7 +63,8 @@ template <typename Finish>
 void run_subjects(const Options& options, const char* name, std::vector<Subject>& subjects, const Finish& finish) {
   const VisibilityOptions& visibility = options.visibility;
   if (!visibility.out.empty()) fs::create_directories(visibility.out);
-  for (const std::string& scene : options.scenes) {
+  const std::vector<std::string>& usual = options.paper ? paper_scenes : all_scenes;
+  for (const std::string& scene : options.scenes.empty() ? usual : options.scenes) {
     const std::unique_ptr<SceneRun> scene_run = load_scene(scene_file(scene), visibility.size);
     if (!scene_run) continue;
     for (Subject& subject : subjects) {
@@ -78,7 +87,22 @@ void count_wrongly_hidden(const Options& options) {
   print_tables(tables());
 }
 
+void repeat_paper(const Options& options) {
+  Table views = paper_views();
+  std::vector<Subject> subjects = {paper_subject(options.visibility, views)};
+  const Table& table_2 = subjects[0].table;
+  run_subjects(options, "paper", subjects, [&](SceneRun& scene_run) {
+    write_pictures(scene_run, options.visibility, Culling::subtree);
+    return std::vector<Table>{table_2, paper_choices(views), views};
+  });
+  print_tables({table_2, paper_choices_by_scene(paper_choices(views)), paper_gains(table_2)});
+}
+
 void run(const Options& options) {
+  if (options.paper) {
+    repeat_paper(options);
+    return;
+  }
   if (options.wrongly_hidden) {
     count_wrongly_hidden(options);
     return;
@@ -100,7 +124,7 @@ void run(const Options& options) {
     return tables;
   };
   run_subjects(options, "visibility", subjects, [&](SceneRun& scene_run) {
-    write_pictures(scene_run, visibility);
+    write_pictures(scene_run, visibility, Culling::star);
     std::vector<Table> tables = for_people();
     for (const Subject& subject : subjects) tables.push_back(subject.table);
     return tables;
@@ -112,7 +136,10 @@ void run(const Options& options) {
 
 void add_options(CLI::App& app, Options& options) {
   VisibilityOptions& visibility = options.visibility;
-  app.add_option("--scene", options.scenes, "Shipped scenes by name, or scene files")->capture_default_str();
+  app.add_option("--scene", options.scenes,
+                 fmt::format("Shipped scenes by name, or scene files; if none is given {}, with --paper those of "
+                             "bench/scenes/birkholz_rahn",
+                             fmt::join(all_scenes, ", ")));
   app.add_option("--budget", visibility.budgets, "Triangles, for shares and times")->capture_default_str();
   app.add_option("--out", visibility.out, "Folder for CSV, JSON and pictures");
   add_repeat_option(app, visibility.repeat, "Rounds");
@@ -122,6 +149,10 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--views", visibility.views, "Random views of each scene, for --wrongly-hidden")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
+  app.add_flag(
+      "--paper", options.paper,
+      "Repeat the experiment of Birkholz & Rahn instead: in views like those of its figures, and in random ones "
+      "that are as difficult");
   app.add_flag("--wrongly-hidden", options.wrongly_hidden,
                "Count wrongly hidden pixels over many views instead: takes minutes a scene");
   app.add_flag_callback(

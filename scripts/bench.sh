@@ -38,10 +38,12 @@ accuracy() {
   scripts/report.sh --bench $programs/report/bench_report --out "$out/report"
 }
 
+# docs/images has the bird's-eye pictures of armadillo_group and planet_near that bench_visibility leaves in out/bench/refinement/paper.
 # bench_refine builds and keeps the planet of level 11, 33.5 million triangles: a minute, 8 GB of memory and 2 GB of disk.
 # bench_targets.sh builds the version that it compares with.
 refinement() {
   scripts/demo.sh
+  run visibility/bench_visibility paper.md --paper --out "$out/paper"
   run bench_refine refine.md --folder "$out/planets"
   run bench_scratch scratch.md
   run bench_limit limit.md

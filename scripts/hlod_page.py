@@ -89,6 +89,7 @@ def first_paper(document, results):
 
 def second_paper(document, results):
     hlod_tables.print_second_paper(document, results)
+    hlod_tables.print_by_motion(document, results)
     names = {s: name for s, (name, _) in hlod_tables.PAPER_2007.items()}
     figures = [course(results, [f"second_{scene}_walk"], names, key, label, f"Fig. 4: {scene}, walk") for scene in hlod_tables.SECOND
                for key, label in (("drawn_nodes", "nodes drawn"), ("fps", "frames a second"))]

@@ -39,7 +39,9 @@ class Effort:
     scenes: tuple = FIRST_PAPER + SECOND_PAPER
     session_frames: int = 200  # of each of the three paths
     walk_frames: int = 600
-    slow_frames: int = 3000
+    slower: tuple = (2, 5)  # the walk at these parts of its speed
+    places: int = 20  # of the walk, where the camera stands still
+    stand_frames: int = 24  # at each, the last four of which count
     compared: int = 20
     crack_frames: int = 8  # of each path; or as --crack-frames says
     error_frames: int = 8  # of each path, for triangles at equal errors
@@ -60,12 +62,12 @@ class Effort:
     guthe_size: str = "1024x768"
 
 
-QUICK = Effort(scenes=("hlod_row", "hlod_grid"), session_frames=20, walk_frames=20, slow_frames=100, compared=3, crack_frames=2, error_frames=2, pop_frames=4,
+QUICK = Effort(scenes=("hlod_row", "hlod_grid"), session_frames=20, walk_frames=20, slower=(5,), places=4, compared=3, crack_frames=2, error_frames=2, pop_frames=4,
                llvmpipe_frames=3, fronts=100, guthe={"city": 0.3, "dragon_alone": 0.25},
                guthe_frames={"city": 1, "dragon_alone": 1}, lengths={"dragon_alone": (1, 4)}, llvmpipe_share=0.1, leaves_share=0.2, splits=("armadillo", "city"), cover_frames=4, cover_images=3)
 # Of scenes of some thousand triangles (bench/scenes/small): whether everything is there, not what it is worth.
-SMALL = Effort(session_frames=6, walk_frames=8, slow_frames=8, compared=2, crack_frames=1, error_frames=1, pop_frames=1, llvmpipe_frames=2, fronts=4, guthe=dict.fromkeys(GUTHE, 0.2),
-               guthe_frames=dict.fromkeys(GUTHE, 1), lengths=dict.fromkeys(GUTHE, (1, 2)),
+SMALL = Effort(session_frames=6, walk_frames=8, slower=(2,), places=2, stand_frames=6, compared=2, crack_frames=1, error_frames=1, pop_frames=1, llvmpipe_frames=2, fronts=4,
+               guthe=dict.fromkeys(GUTHE, 0.2), guthe_frames=dict.fromkeys(GUTHE, 1), lengths=dict.fromkeys(GUTHE, (1, 2)),
                llvmpipe_share=0.1, leaves_share=0.1, splits=("city",), cover_frames=2, cover_images=1, size="192x144", guthe_size="192x144")
 
 
@@ -128,18 +130,35 @@ class Runs:
                          "--reference", self.effort.compared)
             self.compare(f"mended_{scene}_walk", scene, "nested", "walk", self.effort.walk_frames, *self.size, *SPHERES, *mended, "--reference", self.effort.compared)
             self.compare(f"ours_{scene}_walk", scene, "shifted", "walk", self.effort.walk_frames, *self.size, *strategies, "--reference", self.effort.compared)
+        self.still()
+
+    def sessions(self, devices):
+        """The strategies of 2007 in the scenes of 2006."""
+        strategies = ("--bias", BIAS, "--strategies", "bool,sw-b,simp,coh", "--device", devices)
+        mended = ("--bias", BIAS, "--strategies", "coh", "--device", devices)
         for scene in self.scenes(FIRST_PAPER):
             for path in SESSION:
                 self.compare(f"second_{scene}_{path}", scene, "nested", path, self.effort.session_frames, *self.size, *AS_PUBLISHED, *strategies)
                 self.compare(f"mended_{scene}_{path}", scene, "nested", path, self.effort.session_frames, *self.size, *SPHERES, *mended)
 
+    def both_ways(self, name, scene, cameras, path, *options):
+        """SW(B), and Coh(B) as published and mended, with answers at once (`software`) and late."""
+        for way, how, strategies, device in (("prompt", AS_PUBLISHED, "sw-b,coh", "software"), ("late", AS_PUBLISHED, "coh", "virtual:modern"),
+                                             ("promptmended", SPHERES, "coh", "software"), ("latemended", SPHERES, "coh", "virtual:modern")):
+            self.compare_along(f"{name}_{way}_{scene}", cameras, scene, "nested", path, *self.size, *how, "--bias", BIAS, "--strategies", strategies,
+                               "--device", device, *options)
+
+    def still(self):
+        """Where nothing moves, what is predicted is what was answered: only late answers make Coh(B) draw more."""
+        for scene in self.scenes(SECOND_PAPER):
+            cameras = standing_still(self.scene_file(scene), "walk", self.effort.places, self.effort.stand_frames, self.out / f"{scene}_still.cameras.json")
+            self.both_ways("still", scene, cameras, "still")
+
     def slow(self):
-        """The same walk at a fifth of the speed: what is predicted from the frame before gets better."""
-        for scene in self.scenes(("hlod_5m",)):
-            self.compare(f"slow_{scene}", scene, "nested", "walk", self.effort.slow_frames, *self.size, *AS_PUBLISHED, "--bias", BIAS,
-                         "--strategies", "sw-b,coh", "--device", "software")
-            self.compare(f"slowmended_{scene}", scene, "nested", "walk", self.effort.slow_frames, *self.size, *SPHERES, "--bias", BIAS,
-                         "--strategies", "coh", "--device", "software,virtual:modern")
+        """The same walk, and slower: what is predicted from the frame before gets better."""
+        for scene in self.scenes(SECOND_PAPER):
+            for part in (1, *self.effort.slower):
+                self.both_ways(f"slow{part}", scene, self.scene_file(scene), "walk", "--frames", part * self.effort.walk_frames)
 
     def sweep(self, device):
         scene, path = ("hlod_5m", "walk") if "hlod_5m" in self.effort.scenes else ("hlod_grid", "close_ups")
@@ -239,8 +258,23 @@ def part_of_path(file, path, share, times, part):
     return part
 
 
+def standing_still(file, path, places, frames, cameras):
+    """The scene with a path that stands still at so many places of another, so many frames at each."""
+    scene = json.loads(file.read_text())
+    keys = scene["paths"][path]["keys"]
+    scene["paths"] = {"still": {"frames": places * frames, "jump": True, "keys": [between(keys, (i + 0.5) / places * (len(keys) - 1)) for i in range(places)]}}
+    cameras.write_text(json.dumps(scene))
+    return cameras
+
+
+def between(keys, place):
+    """The camera at a place along keys, counted in keys."""
+    a, b, t = keys[int(place)], keys[int(place) + 1], place - int(place)
+    return {name: [x + (y - x) * t for x, y in zip(a[name], b[name])] if isinstance(a[name], list) else a[name] for name in a}
+
+
 # What --only names, in the order in which it is done.
-PARTS = {"second": lambda runs, devices: runs.second_paper(devices), "first": lambda runs, devices: runs.first_paper(devices),
+PARTS = {"second": lambda runs, devices: runs.second_paper(devices), "sessions": lambda runs, devices: runs.sessions(devices), "first": lambda runs, devices: runs.first_paper(devices),
          "sweep": lambda runs, devices: runs.sweep(devices.split(",")[-1]), "geomorphs": lambda runs, _: runs.geomorphs(),
          "equal_errors": lambda runs, _: runs.equal_errors(), "cracks": lambda runs, _: runs.cracks(), "fronts": lambda runs, _: runs.fronts(),
          "slow": lambda runs, _: runs.slow(), "llvmpipe": lambda runs, _: runs.llvmpipe(), "table4": lambda runs, _: runs.table_4(), "cover": lambda runs, _: runs.cover(),

@@ -6,7 +6,7 @@
 #   --quick    fewer frames, fronts and small scenes only: a few minutes; figures are rough
 #   --reuse    keep HLODs and runs that are in out/hlod from before, and do only what is missing
 #   --only     make these parts anew and keep the others: table4, cover (Guthe and others); first (Charalambos 2006), second,
-#              slow, llvmpipe (2007); sweep, geomorphs, equal_errors, cracks, fronts; splits (against refinement by splits)
+#              sessions (the scenes of 2006), slow, llvmpipe (2007); sweep, geomorphs, equal_errors, cracks, fronts; splits (against refinement by splits)
 #   --crack-frames  in how many frames of each path crack pixels are counted (8; --quick: 2); 600: in all
 #   --devices  simulated devices of the tables of Charalambos (virtual:query-dear,virtual:modern)
 # Everything that is measured goes to out/hlod/*.json and *.csv, the tables to out/hlod/tables.md.

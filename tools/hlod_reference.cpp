@@ -5,10 +5,10 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "accuracy.h"
 #include "drawing.h"
 #include "hlod/draw/trial.h"
 #include "raster/clip.h"
+#include "scene/shading.h"
 
 namespace occlod::tool {
 namespace {
@@ -114,7 +114,11 @@ DepthBuffer where_shown(DepthBuffer depth, const DepthBuffer& other, const std::
 
 HlodReference::HlodReference(std::span<const hlod::PlacedHlod> placed, const hlod::TraverseOptions& options,
                              const hlod::Trial* trial)
-    : placed_(placed), options_(without_occlusion(options)), unculled_(placed), input_(full_front(placed)) {
+    : placed_(placed),
+      options_(without_occlusion(options)),
+      unculled_(placed),
+      input_(full_front(placed)),
+      normals_(placed) {
   full_.mesh.assign(input_, placed_);
   if (trial == nullptr) return;
   hlod::Trial without_rival = *trial;
@@ -122,14 +126,19 @@ HlodReference::HlodReference(std::span<const hlod::PlacedHlod> placed, const hlo
   unculled_.set_trial(without_rival);
 }
 
-void HlodReference::draw(Picture& picture) {
-  redraw_to_far_plane(picture.items, picture.mesh.objects(), *view_);
-  picture.image = shade_without_wire(picture.items, picture.mesh.objects(), *view_);
+// `front` is what picture.mesh has.
+void HlodReference::draw(Picture& picture, const Front& front) {
+  const std::span<const DrawObject> objects = picture.mesh.objects();
+  redraw_to_far_plane(picture.items, objects, *view_);
+  picture.image =
+      picture::shade_smooth(picture.items, objects, *view_, [&](const DrawObject& object, const glm::vec3& position) {
+        return normals_.at(front.draws[static_cast<std::size_t>(&object - objects.data())].object, position);
+      });
 }
 
 void HlodReference::set_view(const View& view, const View& last) {
   view_ = &view;
-  draw(full_);
+  draw(full_, input_);
   redraw_to_far_plane(before_items_, full_.mesh.objects(), last);
   shown_before_ = shown_in(view, full_.items.depth, last, before_items_.depth);
   depth_complexity_ = depth_complexity(input_, full_.mesh.objects(), placed_, full_.items, view);
@@ -138,13 +147,14 @@ void HlodReference::set_view(const View& view, const View& last) {
     plain_.image = full_.image;
     return;
   }
-  plain_.mesh.assign(front_of(unculled_.draw_frame(view, device_, options_)), placed_);
-  draw(plain_);
+  const Front plain = front_of(unculled_.draw_frame(view, device_, options_));
+  plain_.mesh.assign(plain, placed_);
+  draw(plain_, plain);
 }
 
 HlodDistance HlodReference::compare(const Front& front, const Front& before) {
   frame_.mesh.assign(front, placed_);
-  draw(frame_);
+  draw(frame_, front);
   before_mesh_.assign(before, placed_);
   redraw_to_far_plane(before_items_, before_mesh_.objects(), *view_);
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "front_mesh.h"
+#include "input_normals.h"
 #include "occlod/compare.h"
 #include "occlod/device.h"
 #include "occlod/picture.h"
@@ -29,8 +30,9 @@ struct HlodDistance {
   double depth_complexity = 0.0;  // fragments of the input inside the frustum per covered pixel
 };
 
-// Draws every picture itself with our own rasteriser, without what is beyond the far plane: there nodes are culled. The
-// input is all its triangles, whatever the boxes of nodes say of them. Reuses its memory from frame to frame.
+// Draws every picture itself with our own rasteriser, without what is beyond the far plane: there nodes are culled.
+// Pictures have the input's smooth normals and no outlines. The input is all its triangles, whatever the boxes of nodes
+// say of them. Reuses its memory from frame to frame.
 class HlodReference {
  public:
   // The HLODs and what `placed` points to must outlive it. `options` and `trial` (may be null) are those of the frames
@@ -50,13 +52,14 @@ class HlodReference {
     ItemBuffer items;
     Image image;
   };
-  void draw(Picture& picture);
+  void draw(Picture& picture, const Front& front);
 
   std::span<const hlod::PlacedHlod> placed_;
   hlod::TraverseOptions options_;
   hlod::Traverser unculled_;
   hlod::SoftwareDevice device_;
   Front input_;
+  InputNormals normals_;
   const View* view_ = nullptr;
   Picture full_, plain_, frame_;
   double depth_complexity_ = 0.0;

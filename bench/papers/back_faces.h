@@ -1,4 +1,4 @@
-// Cones of directions, and which polygons turn their back on all of a cell: Chhugani and others 2003, sec. 4:
+// Cones of directions, and which polygons turn their back on all of a cell: Chhugani and others 2003, sec. 5.3:
 // after Sederberg and Meyers 1988, corrected.
 #pragma once
 

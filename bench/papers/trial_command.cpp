@@ -89,8 +89,9 @@ void add_trial_options(CLI::App& command, hlod::TrialOptions& options) {
              "The pixels of a node's box on an empty screen: exact: of its outline; paper: of a cube of its volume");
   add_choice(command, "--coherence", options.coherence,
              {{"mended", hlod::Coherence::mended}, {"published", hlod::Coherence::published}},
-             "coh: when nodes are asked about: mended: when all that is known to be visible has been drawn; published: "
-             "in turn, while there may be holes where something is still to be drawn");
+             "coh: when nodes are asked about: mended: when all that is known to be visible has been drawn, and again "
+             "where something nearer was drawn later; published: in turn, while there may be holes where something is "
+             "still to be drawn");
   add_choice(command, "--cover-model", options.cover_model,
              {{"in-scene", hlod::CoverModel::in_scene}, {"printed", hlod::CoverModel::printed}},
              "nohc, batch: how probable it is that a box is covered by what is drawn: in-scene: where boxes lie at "

@@ -64,10 +64,10 @@ Pictures draw(const SceneRun& run, const tool::Measurement& measurement) {
 
 }  // namespace
 
-void write_pictures(SceneRun& run, const VisibilityOptions& options) {
+void write_pictures(SceneRun& run, const VisibilityOptions& options, Culling with) {
   if (options.out.empty() || !run.is_decided_by(options.table_budget)) return;
   (void)measure_share(run.without, run.view, refine_options(options.table_budget, Culling::subtree), run.none);
-  (void)measure_share(run.with, run.view, refine_options(options.table_budget, Culling::star), *run.software);
+  (void)measure_share(run.with, run.view, refine_options(options.table_budget, with), *run.software);
   const Pictures papers = draw(run, run.without), ours = draw(run, run.with);
   write_png(options.out / (run.description.name + "_view.png"), beside(papers.view, ours.view));
   write_png(options.out / (run.description.name + "_birdseye.png"), beside(papers.birdseye, ours.birdseye));

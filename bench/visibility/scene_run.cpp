@@ -62,6 +62,10 @@ Share measure_share(tool::Measurement& measurement, const View& view, const Refi
           fmt::format("{:016x}", measurement.refinement().hash())};
 }
 
+double improvement(std::size_t visible, std::size_t start) {
+  return 100.0 * (static_cast<double>(visible) / static_cast<double>(std::max<std::size_t>(start, 1)) - 1.0);
+}
+
 RefineOptions refine_options(std::size_t budget, Culling culling) {
   RefineOptions options;
   options.budget = budget;

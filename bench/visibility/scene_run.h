@@ -23,6 +23,7 @@ struct VisibilityOptions {
   int repeat = 5;                         // times are medians of so many rounds
   int share_frames = 8;                   // of each path at most, for shares
   int views = 200;                        // random ones, for wrongly hidden pixels
+  int paper_views = 500;                  // random ones, among which those as difficult as the paper's are kept
   int path_frames = 40;                   // of each path at most, likewise
   std::optional<tool::ImageSize> size;    // of pictures instead of the cameras' own
   tool::ImageSize hidden_size{512, 384};  // for wrongly hidden pixels
@@ -72,6 +73,9 @@ struct Share {
 };
 [[nodiscard]] Share measure_share(tool::Measurement& measurement, const View& view, const RefineOptions& options,
                                   Visibility& visibility);
+
+// By how many percent more triangles are visible than at the start.
+[[nodiscard]] double improvement(std::size_t visible, std::size_t start);
 
 // With Culling::subtree the paper's own choices: cylinders, occluders after 300 and 2,500 splits, no final check.
 [[nodiscard]] RefineOptions refine_options(std::size_t budget, Culling culling);

@@ -16,7 +16,7 @@ struct Subject {
 
 // Birkholz & Rahn, table 1: what the meshes are.
 [[nodiscard]] Subject meshes_subject();
-// Table 2: visible triangles at the paper's budget, the paper's own figures beside them.
+// Table 2: visible triangles at the paper's budget.
 [[nodiscard]] Subject table_2_subject(const VisibilityOptions& options);
 // The same four ways: share, and distance from the picture of the full meshes.
 [[nodiscard]] Subject quality_subject(const VisibilityOptions& options);
@@ -32,6 +32,17 @@ struct Subject {
 [[nodiscard]] Subject wrongly_hidden_subject(Table& views);
 [[nodiscard]] Table wrongly_hidden_views();
 
+// Table 2 in views like those of the paper's figures, its own figures beside ours; scenes have its names. `views`:
+// those and random views that are as difficult, refined in the paper's way and with one other choice each.
+[[nodiscard]] Subject paper_subject(const VisibilityOptions& options, Table& views);
+[[nodiscard]] Table paper_views();
+// Of the table of these views: a row for each scene and choice, "candidates" being the nodes that neither the frustum
+// nor cones culled. The same for people: a row for each choice.
+[[nodiscard]] Table paper_choices(const Table& views);
+[[nodiscard]] Table paper_choices_by_scene(const Table& choices);
+// Of the table of paper_subject(): what our own method gains.
+[[nodiscard]] Table paper_gains(const Table& scenes);
+
 // Of the table of shares: the rows where occlusion made the share smaller, and a row for each scene, culling and
 // budget.
 [[nodiscard]] Table shares_made_smaller(const Table& shares);
@@ -40,7 +51,7 @@ struct Subject {
 // Of the table of variants: one of their numbers, a row for each variant and a column for each scene.
 [[nodiscard]] std::vector<Table> variants_by_scene(const Table& variants);
 
-// SCENE_view.png and SCENE_birdseye.png in the folder: the paper's LOD left, ours right.
-void write_pictures(SceneRun& run, const VisibilityOptions& options);
+// SCENE_view.png and SCENE_birdseye.png in the folder: the paper's LOD left, with occlusion right: of this culling.
+void write_pictures(SceneRun& run, const VisibilityOptions& options, Culling with);
 
 }  // namespace occlod::bench

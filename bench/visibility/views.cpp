@@ -24,8 +24,8 @@ glm::dvec3 up_for(const glm::dvec3& along, const glm::dvec3& wanted) {
 
 }  // namespace
 
-RandomCameras::RandomCameras(const SceneRun& run, const VisibilityOptions& options, std::uint64_t seed)
-    : run_(run), size_(options.hidden_size), random_(seed) {
+RandomCameras::RandomCameras(const SceneRun& run, const std::optional<tool::ImageSize>& size, std::uint64_t seed)
+    : run_(run), size_(size), random_(seed) {
   const tool::WorldBox box = tool::world_box(run.objects);
   middle_ = box.center();
   radius_ = box.radius();

@@ -1,6 +1,7 @@
 // Views of a scene beside its default camera: frames of its paths and random ones.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,7 @@ struct NamedView {
 // same cameras.
 class RandomCameras {
  public:
-  RandomCameras(const SceneRun& run, const VisibilityOptions& options, std::uint64_t seed);
+  RandomCameras(const SceneRun& run, const std::optional<tool::ImageSize>& size, std::uint64_t seed);
   [[nodiscard]] Camera next();
 
  private:
@@ -29,7 +30,7 @@ class RandomCameras {
   [[nodiscard]] Camera near_surface();
 
   const SceneRun& run_;
-  tool::ImageSize size_;
+  std::optional<tool::ImageSize> size_;
   RandomStream random_;
   glm::dvec3 middle_{0.0};
   double radius_ = 1.0;      // of the sphere around the boxes of all objects

@@ -40,7 +40,7 @@ class Hunt {
       : run_(run), options_(options), found_(found), counter_(run.objects) {}
 
   void look_everywhere() {
-    RandomCameras cameras(run_, options_, seed);
+    RandomCameras cameras(run_, options_.hidden_size, seed);
     for (int tries = 0; random_ < options_.views && tries < options_.views * max_tries_a_view; ++tries)
       if (look({fmt::format("random {}", tries), cameras.next()})) ++random_;
     for (const NamedView& view : path_views(run_, options_.path_frames, options_.hidden_size))

@@ -12,6 +12,8 @@ namespace occlod {
 inline void prefetch([[maybe_unused]] const void* address) noexcept {
 #if defined(__GNUC__)
   __builtin_prefetch(address);
+  // GCC takes functions that do nothing but prefetch for functions without effects, and drops calls of them.
+  asm volatile("");
 #endif
 }
 

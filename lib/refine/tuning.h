@@ -40,7 +40,7 @@ struct Tuning {
   bool retest_hidden = true;  // from scratch: whenever a new occluder is drawn, ask again about what an older one hid
 
   // These may change from frame to frame.
-  std::uint32_t level_step = 2;  // ask about subtrees on every n-th forest level (2: odd levels, as in the paper); >= 1
+  std::uint32_t level_step = 2;  // ask about subtrees on every n-th forest level; >= 1. 2: odd ones, as the paper, 3.3
   bool ask_stars = true;         // Culling::star: ask about each split's own faces before it is applied
   bool final_check = true;       // ask again about all that is hidden before the result; what turns out to be visible
                                  // replaces splits of lower priority
@@ -49,8 +49,8 @@ struct Tuning {
   friend bool operator==(const Tuning&, const Tuning&) = default;
 };
 
-// Birkholz & Rahn, sec. 3, ask one question per subtree, about bounding cylinders, with occluders after 300 and 2,500
-// splits.
+// Birkholz & Rahn ask one question per subtree (sec. 3.1), about bounding cylinders, with occluders after 300 and 2,500
+// splits (sec. 4).
 inline const Tuning paper_tuning{
     .culling = Culling::subtree, .proxy = Proxy::cylinder, .occluder_splits = {300, 2500}, .final_check = false};
 inline const Tuning standard_tuning;

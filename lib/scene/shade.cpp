@@ -4,6 +4,7 @@
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_inverse.hpp>
 #include <glm/matrix.hpp>
 #include <optional>
 
@@ -29,14 +30,26 @@ class Lights {
     const glm::dvec3 to_eye =
         view_.is_orthographic() ? -view_.direction() : glm::normalize(view_.camera().eye - position);
     if (glm::dot(normal, to_eye) < 0.0) normal = -normal;
-    const auto head = static_cast<float>(glm::dot(normal, to_eye));
+    return lit(normal, to_eye);
+  }
+
+  // Returns the light at a corner of a triangle whose side that faces the eye has the normal `facing`.
+  [[nodiscard]] glm::vec3 on_corner(const glm::dvec3& position, glm::dvec3 normal, const glm::dvec3& facing) const {
+    const glm::dvec3 to_eye =
+        view_.is_orthographic() ? -view_.direction() : glm::normalize(view_.camera().eye - position);
+    if (glm::dot(normal, facing) < 0.0) normal = -normal;
+    return lit(normal, to_eye);
+  }
+
+ private:
+  [[nodiscard]] glm::vec3 lit(const glm::dvec3& normal, const glm::dvec3& to_eye) const {
+    const auto head = static_cast<float>(std::max(glm::dot(normal, to_eye), 0.0));
     const auto key = static_cast<float>(std::max(glm::dot(normal, key_), 0.0));
     const auto sky = static_cast<float>(0.5 + 0.5 * glm::dot(normal, up_));
     return 0.12F * head + 0.98F * key * glm::vec3(1.0F, 0.94F, 0.84F) +
            glm::mix(glm::vec3(0.045F, 0.036F, 0.034F), glm::vec3(0.12F, 0.15F, 0.20F), sky);
   }
 
- private:
   const View& view_;
   glm::dvec3 up_;
   glm::dvec3 key_;
@@ -60,14 +73,18 @@ struct Appearance {
     const double length = glm::length(normal);
     const glm::dvec3 center = (corners[0] + corners[1] + corners[2]) / 3.0;
     faces_viewer = glm::dot(normal, view.is_orthographic() ? -view.direction() : view.camera().eye - center) > 0.0;
-    light = lights.on(center, length > 0.0 ? normal / length : -view.direction());
+    const glm::dvec3 face = length > 0.0 ? normal / length : -view.direction();
+    light.fill(lights.on(center, face));
+    for (std::size_t i = 0; color.normals && length > 0.0 && i < light.size(); ++i)
+      if (const glm::dvec3& smooth = (*color.normals)[i]; smooth != glm::dvec3(0.0))
+        light[i] = lights.on_corner(corners[i], smooth, faces_viewer ? face : -face);
     // Lines fade out where they would fill their triangles.
     wire_strength = 0.6 * smooth_step(1.2, 6.0, screen.diameter_px());
   }
 
   ScreenTriangle screen;
   ItemColor color;
-  glm::vec3 light{0.0F};
+  std::array<glm::vec3, 3> light{};  // at the corners
   // its corners run counter-clockwise as seen by the viewer, or clockwise for a mirrored object
   bool faces_viewer = false;
   double wire_strength = 0.0;
@@ -176,14 +193,16 @@ class Painter {
     const Appearance& a = appearance(item);
     const glm::dvec2 pixel(x + 0.5, y + 0.5);
     const glm::vec3 weights = a.screen.barycentric(pixel);
-    const auto& corners = a.color.corners;
-    glm::vec3 color = a.light * (weights.x * corners[0] + weights.y * corners[1] + weights.z * corners[2]);
+    const auto between = [&](const std::array<glm::vec3, 3>& at) {
+      return weights.x * at[0] + weights.y * at[1] + weights.z * at[2];
+    };
+    glm::vec3 color = (a.color.normals ? between(a.light) : a.light[0]) * between(a.color.corners);
     if (a.color.image != nullptr) color *= texture(a, pixel, weights);
     if (style_.wire && a.wire_strength > 0.0) {
       const double line = 1.0 - smooth_step(0.2, 1.1, a.screen.edge_distance_px(pixel));
       color *= static_cast<float>(1.0 - a.wire_strength * line);
     }
-    return color * (1.0F - 0.65F * outline(view_, items_.depth, x, y));
+    return style_.outlines ? color * (1.0F - 0.65F * outline(view_, items_.depth, x, y)) : color;
   }
 
   static glm::vec3 texture(const Appearance& a, const glm::dvec2& pixel, const glm::dvec3& weights) {
@@ -231,6 +250,10 @@ void lay_over(ItemColor& color, const ObjectTexture& texture, const Triangle& tr
   for (int i = 0; i < 3; ++i) color.coordinates[static_cast<std::size_t>(i)] = texture.coordinates[triangle[i]];
 }
 
+Style usual_style(bool wire) {
+  return {.wire = wire, .background_top = {0.33F, 0.41F, 0.52F}, .background_bottom = {0.80F, 0.83F, 0.86F}};
+}
+
 }  // namespace
 
 Image shade_items(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view, const Style& style,
@@ -239,12 +262,27 @@ Image shade_items(const ItemBuffer& items, std::span<const DrawObject> objects, 
   return Painter(items, objects, view, style, color_of_item).paint();
 }
 
+Image shade_smooth(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view,
+                   const NormalAt& normal_at) {
+  Style style = usual_style(false);
+  style.outlines = false;
+  return shade_items(items, objects, view, style, [&](std::uint32_t, const ItemTable::Owner& owner) {
+    const glm::dmat3 to_world = glm::inverseTranspose(glm::dmat3(owner.object->object_to_world));
+    ItemColor color = vertex_color(owner, ShadeOptions().base);
+    color.normals.emplace();
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec3 normal = normal_at(*owner.object, owner.object->positions[(*owner.triangle)[i]]);
+      if (normal != glm::dvec3(0.0)) (*color.normals)[static_cast<std::size_t>(i)] = glm::normalize(to_world * normal);
+    }
+    return color;
+  });
+}
+
 }  // namespace picture
 
 Image shade(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view,
             const ShadeOptions& options) {
-  const picture::Style style{
-      .wire = options.wire, .background_top = {0.33F, 0.41F, 0.52F}, .background_bottom = {0.80F, 0.83F, 0.86F}};
+  const picture::Style style = picture::usual_style(options.wire);
   assert(options.textures.empty() || options.textures.size() == objects.size());
   return picture::shade_items(
       items, objects, view, style, [&](std::uint32_t, const picture::ItemTable::Owner& owner) -> picture::ItemColor {

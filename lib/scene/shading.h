@@ -7,6 +7,7 @@
 #include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -80,11 +81,14 @@ struct ItemColor {
   std::array<glm::vec3, 3> corners;
   const TextureImage* image = nullptr;
   std::array<glm::dvec2, 3> coordinates{};  // texture coordinates
+  // Unit length, world space; zero: that of the triangle. None: the triangle is flat.
+  std::optional<std::array<glm::dvec3, 3>> normals;
 };
 using ColorOfItem = std::function<ItemColor(std::uint32_t item, const ItemTable::Owner& owner)>;
 
 struct Style {
   bool wire = true;
+  bool outlines = true;
   glm::vec3 background_top{0.0F};  // linear
   glm::vec3 background_bottom{0.0F};
   glm::dvec3 key_light{-0.60, 0.75, 0.45};  // towards the light: right, up and towards the viewer
@@ -92,5 +96,13 @@ struct Style {
 
 [[nodiscard]] Image shade_items(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view,
                                 const Style& style, const ColorOfItem& color_of_item);
+
+// Returns the normal at a vertex of an object: unit length, object space; zero where there is none.
+using NormalAt = std::function<glm::dvec3(const DrawObject& object, const glm::vec3& position)>;
+
+// Shades like shade(), but without wires and outlines, and with light that is interpolated between the corners of a
+// triangle. Such pictures differ where surfaces do.
+[[nodiscard]] Image shade_smooth(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view,
+                                 const NormalAt& normal_at);
 
 }  // namespace occlod::picture

@@ -247,7 +247,8 @@ class Assembler {
   // Each range of splits writes its records independently; the ranges are then joined.
   void write_stars() {
     result_.stars.resize(split_count_ + 1);
-    result_.patches.reserve(split_count_ + 1);  // reserves as much memory as the nodes need later
+    // Takes as much memory as the nodes, which get it afterwards.
+    result_.patches.reserve(sizeof(SplitNode) * (std::size_t{split_count_} + 1) / sizeof(BoundedPatch) + 1);
     result_.patches.resize(split_count_);
     std::vector<std::vector<std::uint32_t>> ranges((split_count_ + range_size - 1) / range_size);
     std::atomic<std::size_t> faces = sequence_.base.size();

@@ -39,7 +39,6 @@ HWY_INLINE Vectors cross(const Vectors& a, const Vectors& b) {
 // Match std::min and std::max, including zeros of either sign.
 HWY_INLINE FanVec min(FanVec a, FanVec b) { return hn::IfThenElse(hn::Lt(b, a), b, a); }
 HWY_INLINE FanVec max(FanVec a, FanVec b) { return hn::IfThenElse(hn::Lt(a, b), b, a); }
-HWY_INLINE FanVec middle(FanVec low, FanVec high) { return hn::Add(hn::Mul(set(0.5F), low), hn::Mul(set(0.5F), high)); }
 
 // Bounds one fan per SIMD lane.
 class Bounder {
@@ -70,24 +69,12 @@ class Bounder {
       low = {min(low.x, p.x), min(low.y, p.y), min(low.z, p.z)};
       high = {max(high.x, p.x), max(high.y, p.y), max(high.z, p.z)};
     }
-    const Vectors center = {middle(low.x, high.x), middle(low.y, high.y), middle(low.z, high.z)};
-    const Vectors from_vertex = center - vertex_;
-    FanVec radius2 = dot(from_vertex, from_vertex);
-    for (std::size_t k = 0; k < n_; ++k) {
-      const Vectors offset = corner(k) - center;
-      radius2 = max(radius2, dot(offset, offset));
-    }
-    require(hn::And(hn::Gt(radius2, set(1e-30F)), hn::Lt(radius2, set(1e30F))));
     store(low.x, results.min_x, i_);
     store(low.y, results.min_y, i_);
     store(low.z, results.min_z, i_);
     store(high.x, results.max_x, i_);
     store(high.y, results.max_y, i_);
     store(high.z, results.max_z, i_);
-    store(center.x, results.center_x, i_);
-    store(center.y, results.center_y, i_);
-    store(center.z, results.center_z, i_);
-    store(hn::Add(hn::Mul(hn::Sqrt(radius2), set(grow)), set(denormal_slack)), results.radius, i_);
   }
 
   HWY_INLINE void bound_normals(FanPatchBounds& results) {
@@ -198,8 +185,7 @@ FanPatchBounds FanPatches::bounds() const {
 }
 
 BoundedPatch FanPatchBounds::operator[](std::size_t i) const noexcept {
-  const Sphere sphere{{center_x[i], center_y[i], center_z[i]}, radius[i]};
-  return {{sphere, {axis_x[i], axis_y[i], axis_z[i]}, cos_angle[i], sin_angle[i], true},
+  return {{{axis_x[i], axis_y[i], axis_z[i]}, cos_angle[i], sin_angle[i], true},
           {{min_x[i], min_y[i], min_z[i]}, {max_x[i], max_y[i], max_z[i]}}};
 }
 

@@ -38,29 +38,12 @@ HWY_INLINE NodeVec difference(NodeVec a, NodeVec b, NodeVec c, NodeVec d) {
 // Accumulates extents; a lane is a node, or a part of the patches of one node.
 class Extents {
  public:
-  HWY_INLINE Extents(const Vectors& center, const Vectors& axis)
-      : center_(center),
-        axis_(axis),
-        radius_(hn::Zero(Nodes())),
-        cylinder_radius_(radius_),
-        t_min_(set(std::numeric_limits<float>::max())),
-        t_max_(set(std::numeric_limits<float>::lowest())),
-        cos_angle_(set(1.0F)),
-        has_normal_(hn::Gt(radius_, radius_)),
-        is_extreme_(has_normal_) {}
+  explicit HWY_INLINE Extents(const Vectors& axis)
+      : axis_(axis), cos_angle_(set(1.0F)), has_normal_(hn::Gt(cos_angle_, cos_angle_)) {}
 
   // Includes the patch at `place` in the first lane, the next patch in the next lane, and so on.
   HWY_INLINE void include(const PatchRows& patches, std::size_t place, NodeMask counts) {
     const auto row = [&](PatchRows::Row r) HWY_ATTR { return load(patches.row(r) + place); };
-    const Vectors offset = {hn::Sub(row(PatchRows::x), center_.x), hn::Sub(row(PatchRows::y), center_.y),
-                            hn::Sub(row(PatchRows::z), center_.z)};
-    const NodeVec radius = row(PatchRows::radius), along = dot(offset, axis_);
-    const Vectors beside = {hn::Sub(offset.x, hn::Mul(along, axis_.x)), hn::Sub(offset.y, hn::Mul(along, axis_.y)),
-                            hn::Sub(offset.z, hn::Mul(along, axis_.z))};
-    raise(radius_, hn::Add(length(offset, counts), radius), counts);
-    raise(cylinder_radius_, hn::Add(length(beside, counts), radius), counts);
-    raise(t_max_, hn::Add(along, radius), counts);
-    lower(t_min_, hn::Sub(along, radius), counts);
     const NodeVec cos_angle = row(PatchRows::cos_angle);
     const NodeMask has_normal = hn::And(counts, hn::Ne(cos_angle, set(PatchRows::no_normal)));
     has_normal_ = hn::Or(has_normal_, has_normal);
@@ -70,40 +53,19 @@ class Extents {
 
   HWY_INLINE void store(NodeExtents& nodes, std::size_t i) const {
     const Nodes d;
-    hn::StoreU(radius_, d, nodes.radius.data() + i);
-    hn::StoreU(cylinder_radius_, d, nodes.cylinder_radius.data() + i);
-    hn::StoreU(t_min_, d, nodes.t_min.data() + i);
-    hn::StoreU(t_max_, d, nodes.t_max.data() + i);
     hn::StoreU(cos_angle_, d, nodes.cos_angle.data() + i);
     const NodeVec one = hn::BitCast(d, hn::Set(Counts(), 1));
     hn::StoreU(hn::BitCast(Counts(), hn::IfThenElseZero(has_normal_, one)), Counts(), nodes.has_normal.data() + i);
-    hn::StoreU(hn::BitCast(Counts(), hn::IfThenElseZero(is_extreme_, one)), Counts(), nodes.is_extreme.data() + i);
   }
 
   // Merges all lanes into one node, which has other patches too.
   HWY_INLINE void add_to(NodeExtents& nodes, std::size_t i) const {
     const Nodes d;
-    const auto most = [&](NodeVec v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, v)); };
-    const auto least = [&](NodeVec v) HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, v)); };
-    nodes.radius[i] = std::max(nodes.radius[i], most(radius_));
-    nodes.cylinder_radius[i] = std::max(nodes.cylinder_radius[i], most(cylinder_radius_));
-    nodes.t_min[i] = std::min(nodes.t_min[i], least(t_min_));
-    nodes.t_max[i] = std::max(nodes.t_max[i], most(t_max_));
-    nodes.cos_angle[i] = std::min(nodes.cos_angle[i], least(cos_angle_));
+    nodes.cos_angle[i] = std::min(nodes.cos_angle[i], hn::GetLane(hn::MinOfLanes(d, cos_angle_)));
     nodes.has_normal[i] |= hn::AllFalse(d, has_normal_) ? 0 : 1;
-    nodes.is_extreme[i] |= hn::AllFalse(d, is_extreme_) ? 0 : 1;
   }
 
  private:
-  // Matches length_of() where that needs no double precision.
-  HWY_INLINE NodeVec length(const Vectors& v, NodeMask counts) {
-    const NodeVec square = dot(v, v), zero = hn::Zero(Nodes());
-    const NodeMask is_usual = hn::And(hn::Gt(square, set(1e-30F)), hn::Lt(square, set(1e30F)));
-    const NodeMask is_zero = hn::And(hn::And(hn::Eq(v.x, zero), hn::Eq(v.y, zero)), hn::Eq(v.z, zero));
-    is_extreme_ = hn::Or(is_extreme_, hn::AndNot(hn::Or(is_usual, is_zero), counts));
-    return hn::Sqrt(square);
-  }
-
   // Vector form of widened() below.
   HWY_INLINE NodeVec widened(const Vectors& axis, NodeVec cos_angle, NodeVec sin_angle) const {
     const NodeVec zero = hn::Zero(Nodes()), cos_between = dot(axis_, axis);
@@ -116,22 +78,18 @@ class Extents {
     return hn::IfThenElse(is_narrow, cos_sum, set(-1.0F));
   }
 
-  static HWY_INLINE void raise(NodeVec& most, NodeVec value, NodeMask counts) {
-    most = hn::IfThenElse(hn::And(counts, hn::Gt(value, most)), value, most);
-  }
   static HWY_INLINE void lower(NodeVec& least, NodeVec value, NodeMask counts) {
     least = hn::IfThenElse(hn::And(counts, hn::Lt(value, least)), value, least);
   }
 
-  Vectors center_, axis_;
-  NodeVec radius_, cylinder_radius_, t_min_, t_max_, cos_angle_;
-  NodeMask has_normal_, is_extreme_;
+  Vectors axis_;
+  NodeVec cos_angle_;
+  NodeMask has_normal_;
 };
 
 void include_patches_in(const PatchRows& patches, std::size_t first, NodeExtents& nodes) {
   for (std::size_t i = 0; i < NodeExtents::capacity; i += hn::Lanes(Nodes())) {
-    Extents extents({load(nodes.center_x.data() + i), load(nodes.center_y.data() + i), load(nodes.center_z.data() + i)},
-                    {load(nodes.axis_x.data() + i), load(nodes.axis_y.data() + i), load(nodes.axis_z.data() + i)});
+    Extents extents({load(nodes.axis_x.data() + i), load(nodes.axis_y.data() + i), load(nodes.axis_z.data() + i)});
     const auto size = hn::LoadU(Counts(), nodes.size.data() + i);
     for (std::int32_t k = 0;; ++k) {
       const auto counts = hn::RebindMask(Nodes(), hn::Gt(size, hn::Set(Counts(), k)));
@@ -144,8 +102,7 @@ void include_patches_in(const PatchRows& patches, std::size_t first, NodeExtents
 
 void include_run_in(const PatchRows& patches, std::size_t first, std::size_t end, NodeExtents& nodes,
                     std::size_t node) {
-  Extents extents({set(nodes.center_x[node]), set(nodes.center_y[node]), set(nodes.center_z[node])},
-                  {set(nodes.axis_x[node]), set(nodes.axis_y[node]), set(nodes.axis_z[node])});
+  Extents extents({set(nodes.axis_x[node]), set(nodes.axis_y[node]), set(nodes.axis_z[node])});
   for (std::size_t place = first; place < end; place += hn::Lanes(Nodes()))
     extents.include(patches, place, hn::FirstN(Nodes(), end - place));
   extents.add_to(nodes, node);
@@ -174,10 +131,6 @@ PatchRows::PatchRows(std::size_t size) : size_(size), stride_((size + padding + 
 void PatchRows::set(std::size_t i, const Patch& patch) noexcept {
   float* const first = values_.get() + i;
   const auto put = [&](Row row, float value) { first[row * stride_] = value; };
-  put(x, patch.sphere.center.x);
-  put(y, patch.sphere.center.y);
-  put(z, patch.sphere.center.z);
-  put(radius, patch.sphere.radius);
   put(axis_x, patch.axis.x);
   put(axis_y, patch.axis.y);
   put(axis_z, patch.axis.z);
@@ -188,17 +141,10 @@ void PatchRows::set(std::size_t i, const Patch& patch) noexcept {
 Patch PatchRows::operator[](std::size_t i) const noexcept {
   const auto get = [&](Row which) { return row(which)[i]; };
   const bool has_normal = get(cos_angle) != no_normal;
-  return {{{get(x), get(y), get(z)}, get(radius)},
-          {get(axis_x), get(axis_y), get(axis_z)},
-          has_normal ? get(cos_angle) : 1.0F,
-          get(sin_angle),
-          has_normal};
+  return {{get(axis_x), get(axis_y), get(axis_z)}, has_normal ? get(cos_angle) : 1.0F, get(sin_angle), has_normal};
 }
 
-void NodeExtents::start(std::size_t node, const glm::vec3& center, const glm::vec3& axis) {
-  center_x[node] = center.x;
-  center_y[node] = center.y;
-  center_z[node] = center.z;
+void NodeExtents::start(std::size_t node, const glm::vec3& axis) {
   axis_x[node] = axis.x;
   axis_y[node] = axis.y;
   axis_z[node] = axis.z;

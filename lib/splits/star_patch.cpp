@@ -54,8 +54,6 @@ class FanPatch {
       result.box.max = glm::max(result.box.max, corners_[i]);
     }
     Patch& patch = result.patch;
-    patch.sphere.center = 0.5F * result.box.min + 0.5F * result.box.max;
-    patch.sphere.radius = radius_around(patch.sphere.center) * grow + denormal_slack;
     glm::vec3 sum(0.0F);
     for (std::size_t i = 0; i < normal_count_; ++i) sum += normals_[i];
     patch.axis = axis_of(sum);
@@ -65,19 +63,6 @@ class FanPatch {
   }
 
  private:
-  [[nodiscard]] float radius_around(const glm::vec3& center) const {
-    const glm::vec3 middle = center - origin_;
-    float radius2 = glm::dot(middle, middle);
-    for (std::size_t i = 0; i < size_; ++i) {
-      const glm::vec3 offset = corners_[i] - center;
-      radius2 = std::max(radius2, glm::dot(offset, offset));
-    }
-    if (radius2 > 1e-30F && radius2 < 1e30F) return std::sqrt(radius2);
-    float radius = length_of(middle);
-    for (std::size_t i = 0; i < size_; ++i) radius = std::max(radius, length_of(corners_[i] - center));
-    return radius;
-  }
-
   void make_normals() {
     std::size_t parent = 0;
     while (star_.ring()[parent] != star_.parent_vertex()) ++parent;
@@ -122,14 +107,10 @@ BoundedPatch bound_any(const SplitStar& star, std::span<const glm::vec3> positio
     sum += unit_normal(positions[t.x], positions[t.y], positions[t.z]);
   });
   patch.axis = axis_of(sum);
-  patch.sphere.center = 0.5F * result.box.min + 0.5F * result.box.max;
-  float radius = length_of(own - patch.sphere.center);
   star.for_each_face([&](const Triangle& t) {
-    for (int k = 0; k < 3; ++k) radius = std::max(radius, length_of(positions[t[k]] - patch.sphere.center));
     const glm::vec3 normal = unit_normal(positions[t.x], positions[t.y], positions[t.z]);
     if (normal != glm::vec3(0.0F)) include_normal(patch, normal);
   });
-  patch.sphere.radius = radius * grow + denormal_slack;
   close_cone(patch);
   return result;
 }

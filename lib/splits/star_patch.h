@@ -1,4 +1,4 @@
-// Bounds the own faces of one split.
+// Bounds the own faces of splits, and the normals of runs of them.
 #pragma once
 
 #include <array>
@@ -18,9 +18,8 @@
 
 namespace occlod {
 
-// Bounds the faces of one split, or of a run of splits, by a sphere and a cone of their normals.
+// Bounds the normals of the faces of one split, or of a run of splits, by a cone.
 struct Patch {
-  Sphere sphere;
   glm::vec3 axis{0.0F};
   float cos_angle = 1.0F;  // of the half angle; -1 = every direction
   float sin_angle = 0.0F;
@@ -35,30 +34,20 @@ struct BoundedPatch {
 // Bounds the faces that the split inserts and removes.
 [[nodiscard]] BoundedPatch bound_star(const SplitStar& star, std::span<const glm::vec3> positions);
 
-// Factors that keep bounds conservative under rounding: differences of single-precision positions are correct to half a
-// unit in the last place, and no sum has more than a dozen terms.
-inline constexpr float grow = 1.0F + 4e-6F;
+// Keeps cones conservative under rounding.
 inline constexpr float cone_slack = 4e-6F;
 // A corner whose squared sine is at most this needs double precision; for any other, single precision gives the normal
 // to within normal_slack.
 inline constexpr float min_sin2 = 0.0025F;
 inline constexpr float normal_slack = 1e-5F;
-// Rounding error of numbers so small that their last place no longer shrinks with them: some twenty units of it.
-inline constexpr float denormal_slack = 3e-44F;
 
-// Returns the length, also for vectors whose squares overflow or underflow a float.
-[[nodiscard]] inline float length_of(const glm::vec3& v) {
-  const float square = glm::dot(v, v);
-  return square > 1e-30F && square < 1e30F ? std::sqrt(square) : static_cast<float>(glm::length(glm::dvec3(v)));
-}
-
-// Computes, for many patches at once, how far their spheres and cones reach from the centres of nodes.
+// Computes, for many patches at once, how far their cones reach from the axes of nodes.
 
 // Stores one row per number of a patch.
 class PatchRows {
  public:
   static constexpr std::size_t padding = 16;  // places that may be read past the end
-  enum Row : std::uint8_t { x, y, z, radius, axis_x, axis_y, axis_z, cos_angle, sin_angle, row_count };
+  enum Row : std::uint8_t { axis_x, axis_y, axis_z, cos_angle, sin_angle, row_count };
 
   // Leaves the rows uninitialised, except for the padding.
   explicit PatchRows(std::size_t size);
@@ -86,17 +75,14 @@ struct NodeExtents {
   template <class T>
   using PerNode = std::array<T, capacity>;
 
-  // Input: the centre of the node, the axes of its cone and of its cylinder, its number of patches.
-  alignas(64) PerNode<float> center_x, center_y, center_z, axis_x, axis_y, axis_z;
+  // Input: the axis of the node's cone, its number of patches.
+  alignas(64) PerNode<float> axis_x, axis_y, axis_z;
   alignas(64) PerNode<std::int32_t> size;
-  // Output: the extents of a sphere and of a cylinder around the centre, and of a cone; cos_angle is at most 0 without
-  // a cone.
-  alignas(64) PerNode<float> radius, cylinder_radius, t_min, t_max, cos_angle;
+  // Output: the cosine of the angle of the cone, at most 0 without a cone.
+  alignas(64) PerNode<float> cos_angle;
   alignas(64) PerNode<std::int32_t> has_normal;
-  // Nonzero when squared lengths leave the range of floats; the extents must then be computed in another way.
-  alignas(64) PerNode<std::int32_t> is_extreme;
 
-  void start(std::size_t node, const glm::vec3& center, const glm::vec3& axis);
+  void start(std::size_t node, const glm::vec3& axis);
 };
 
 // Includes the patches [first + i, first + i + size[i]) in node i. All nodes are smaller than NodeExtents::capacity or
@@ -118,7 +104,7 @@ struct FanPatchBounds {
   using PerFan = std::array<float, capacity>;
 
   alignas(64) PerFan min_x, min_y, min_z, max_x, max_y, max_z;
-  alignas(64) PerFan center_x, center_y, center_z, radius, axis_x, axis_y, axis_z, cos_angle, sin_angle;
+  alignas(64) PerFan axis_x, axis_y, axis_z, cos_angle, sin_angle;
   alignas(64) PerFan is_bounded;  // 0: use bound_star(), because there are slivers or extreme lengths
 
   [[nodiscard]] BoundedPatch operator[](std::size_t i) const noexcept;

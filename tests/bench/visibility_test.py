@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import pathlib
+import statistics
 import struct
 import subprocess
 import tempfile
@@ -109,6 +110,30 @@ class Visibility(unittest.TestCase):
             self.assertEqual((row["views_with_any"], row["sum_px"], row["largest_px"]), (len(views), sum(views), max(views, default=0)))
             self.assertEqual(row["random_views"], 3)
             self.assertLessEqual(row["largest_allowed_px"], 2.0)
+
+    def test_paper(self):
+        """The same view as that of small.json; random views are those in which about as much is visible as in the paper's."""
+        (self.folder / "planet_full.json").write_text(SCENE)
+        tables = self.run_bench("paper", "--paper", scene="planet_full.json")["paper"]
+        [scene], [small] = tables["paper_table_2"], self.tables["table_2"]
+        self.assertEqual([scene[key] for key in ("lod", "oc", "ours", "ours_oc")], [small[key] for key in ("lod", "lod_oc", "ours", "ours_oc")])
+        self.assertEqual((scene["paper_lod"], scene["paper_oc"]), (3546, 4781))
+        for choice in tables["paper_choices"]:
+            views = [row for row in tables["paper_views"] if row["variant"] == choice["variant"]]
+            [figure] = [row["with"] for row in views if row["view"] == "figure"]
+            random = [row for row in views if row["view"] != "figure"]
+            self.assertEqual((figure, len(random)), (choice["with"], scene["kept"]))
+            self.assertTrue(0 < len(random) < scene["views"])
+            for row in random:
+                self.assertLessEqual(abs(row["without"] - 354.6), 35.46)
+                self.assertAlmostEqual(row["improvement_pct"], 100 * (row["with"] / row["without"] - 1))
+            quartiles = statistics.quantiles([row["improvement_pct"] for row in random], n=4, method="inclusive")
+            for key, quartile in zip(("lower_pct", "median_pct", "upper_pct"), quartiles):
+                self.assertAlmostEqual(choice[key], quartile)
+        queries = {choice["variant"]: choice["queries"] for choice in tables["paper_choices"]}
+        self.assertGreater(queries["every level"], 1.5 * queries["as published"])
+        [published] = [choice for choice in tables["paper_choices"] if choice["variant"] == "as published"]
+        self.assertEqual((scene["ir_pct"], scene["median_ir_pct"]), (published["improvement_pct"], published["median_pct"]))
 
     def test_missing_mesh_is_told(self):
         (self.folder / "gone.json").write_text("""{"objects": [{"mesh": "nowhere.ply"}], "cameras": {"default": {"eye": [0, 0, 3], "target": [0, 0, 0]}}}""")

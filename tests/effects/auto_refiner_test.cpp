@@ -53,7 +53,7 @@ TEST(AutoRefiner, IsTheSameAsNoOcclusionWhereNothingHides) {
 // Everything but the wall and the ball before it is hidden: what is not asked about takes most of the budget, which the
 // ball could use.
 TEST(AutoRefiner, AsksWhereAWallHidesTheRest) {
-  const Hierarchy scene = wall_with_spheres();
+  const Hierarchy scene = wall_with_spheres(128);
   const RefineObject objects[] = {{.hierarchy = &scene}};
   AutoRefiner refiner = refiner_of(objects);
   for (int i = 0; i < 3; ++i) {
@@ -65,7 +65,7 @@ TEST(AutoRefiner, AsksWhereAWallHidesTheRest) {
 
 // From behind, the wall hides nothing and the spheres hide little; the eye has moved across the scene in between.
 TEST(AutoRefiner, LooksAgainWhenTheCameraHasMoved) {
-  const Hierarchy scene = wall_with_spheres();
+  const Hierarchy scene = wall_with_spheres(128);
   const RefineObject objects[] = {{.hierarchy = &scene}};
   AutoRefiner refiner = refiner_of(objects);
   (void)refiner.refine(before_wall(), budget_of(5'000));
@@ -97,7 +97,7 @@ TEST(AutoRefiner, UsesConesWhereTheyCull) {
 
 // One object is behind the wall of another, a third stands in the open beside them.
 TEST(AutoRefiner, ChoosesObjectByObject) {
-  const Hierarchy scene = wall_with_spheres();
+  const Hierarchy scene = wall_with_spheres(128);
   const Hierarchy ground = open_ground();
   const RefineObject objects[] = {
       {.hierarchy = &scene},
@@ -116,7 +116,7 @@ TEST(AutoRefiner, ChoosesObjectByObject) {
 
 // Choices depend on counts and on the calibration alone.
 TEST(AutoRefiner, SameCalibrationSameMeshes) {
-  const Hierarchy scene = wall_with_spheres();
+  const Hierarchy scene = wall_with_spheres(128);
   const RefineObject objects[] = {{.hierarchy = &scene}};
   AutoRefiner a = refiner_of(objects), b = refiner_of(objects);
   for (int i = 0; i < 40; ++i) {  // past one look_interval
@@ -128,7 +128,7 @@ TEST(AutoRefiner, SameCalibrationSameMeshes) {
 
 // A choice is data: a Refiner that is given it comes to the same mesh.
 TEST(AutoRefiner, ChoicesCanBeReplayed) {
-  const Hierarchy scene = wall_with_spheres();
+  const Hierarchy scene = wall_with_spheres(128);
   const RefineObject objects[] = {{.hierarchy = &scene}};
   AutoRefiner refiner = refiner_of(objects);
   Refiner plain(objects);
@@ -161,7 +161,7 @@ TEST(AutoRefiner, FramesAreThoseWithoutOcclusionWhereNothingHides) {
 // Where a wall hides the rest, all frames ask, and after the first they go on from each other; another choice of
 // effects, here of regions in which nothing was hidden, does not begin anew.
 TEST(AutoRefiner, FramesGoOnWhileEffectsChange) {
-  const Hierarchy scene = wall_with_spheres();
+  const Hierarchy scene = wall_with_spheres(128);
   const RefineObject objects[] = {{.hierarchy = &scene}};
   AutoRefiner refiner = refiner_of(objects);
   std::optional<EffectChoice> last;
@@ -183,7 +183,7 @@ TEST(AutoRefiner, FramesGoOnWhileEffectsChange) {
 
 // What is asked may change from frame to frame between nothing and everything, and the mesh is kept all the same.
 TEST(AutoRefiner, FramesGoOnWhenQueriesEnd) {
-  const Hierarchy scene = wall_with_spheres();
+  const Hierarchy scene = wall_with_spheres(128);
   const RefineObject objects[] = {{.hierarchy = &scene}};
   AutoRefiner refiner = refiner_of(objects);
   std::optional<bool> last;
@@ -204,7 +204,7 @@ TEST(AutoRefiner, FramesGoOnWhenQueriesEnd) {
 
 // A view that stands comes to rest: no looks, the same choice, in the end the same mesh.
 TEST(AutoRefiner, AStillViewComesToRest) {
-  const Hierarchy scene = wall_with_spheres();
+  const Hierarchy scene = wall_with_spheres(128);
   const RefineObject objects[] = {{.hierarchy = &scene}};
   AutoRefiner refiner = refiner_of(objects);
   (void)refiner.update(before_wall(), budget_of(5'000));
@@ -241,7 +241,7 @@ TEST(AutoRefiner, LooksAgainWhenAnObjectHasMoved) {
 
 // A camera that crosses the scene in every frame would look ahead in each: it does not in two that follow each other.
 TEST(AutoRefiner, LooksAreRareWhateverTheCameraDoes) {
-  const Hierarchy scene = wall_with_spheres();
+  const Hierarchy scene = wall_with_spheres(128);
   const RefineObject objects[] = {{.hierarchy = &scene}};
   AutoRefiner refiner = refiner_of(objects);
   int looks = 0;
@@ -272,7 +272,7 @@ TEST(AutoRefiner, LooksBecomeRareWhereTheyChangeNothing) {
 }
 
 TEST(AutoRefiner, KeepsTheBudget) {
-  const Hierarchy scene = wall_with_spheres();
+  const Hierarchy scene = wall_with_spheres(128);
   const RefineObject objects[] = {{.hierarchy = &scene}};
   AutoRefiner refiner = refiner_of(objects);
   for (const std::size_t extra : {0U, 1U, 100U, 3'000U, 10U, 100'000U}) {

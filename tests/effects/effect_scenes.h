@@ -41,9 +41,10 @@ inline Hierarchy open_ground() {
 }
 inline View above_ground() { return view_at({0.5, 0.49, 1.5}, {0.5, 0.5, 0.0}); }
 
-// Spheres behind a wall, and a rough ball before it, in one mesh.
-inline Hierarchy wall_with_spheres() {
-  TriangleMesh mesh = generate("spheres-behind-wall", {{"spheres", 32}, {"level", 4}});
+// Spheres behind a wall, and a rough ball before it, in one mesh. With 128 of them asking pays whatever a small sample
+// says.
+inline Hierarchy wall_with_spheres(int spheres = 32) {
+  TriangleMesh mesh = generate("spheres-behind-wall", {{"spheres", spheres}, {"level", 4}});
   const TriangleMesh ball = generate("rough-planet", {{"level", 5}});
   const auto first = static_cast<VertexId>(mesh.positions.size());
   for (const glm::vec3& p : ball.positions) mesh.positions.push_back(0.3F * p + glm::vec3(1.0F, 0.3F, 0.0F));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "picture/quads.h"
+#include "scene/shading.h"
 
 namespace occlod {
 namespace {
@@ -136,6 +137,31 @@ TEST(Shade, BlendsVertexColorsInPerspective) {
   EXPECT_GT(right.z, right.x);
   EXPECT_GT(middle.x, middle.z + 30);  // 3 : 1 red; straight interpolation would make them even
   EXPECT_EQ(left.y, 0);
+}
+
+// All normals point at the viewer, whatever the triangles: the same colour everywhere but for the head light.
+TEST(ShadeSmooth, TakesNormalsOfCornersAndDrawsNoOutlines) {
+  const Quad quad(-4, -2, 4, 2, -4);  // columns 10 to 89
+  DrawObject turned = quad.object();
+  turned.object_to_world = glm::dmat4({1, 0, -0.2, 0}, {0, 1, 0, 0}, {0, 0, 1, 0},
+                                      {0, 0, 0, 1});  // sheared: no longer parallel to the image
+  const std::array<DrawObject, 1> objects = {quad.object()}, sheared = {turned};
+  const auto smooth = [](std::span<const DrawObject> drawn, const glm::dvec3& normal) {
+    ItemBuffer items;
+    draw_items(items, drawn, front_view());
+    return picture::shade_smooth(items, drawn, front_view(),
+                                 [=](const DrawObject&, const glm::vec3&) { return normal; });
+  };
+  // The head light is 0.12 of all that comes straight back: from the middle to the border it falls by 0.12 (1 - cos 45
+  // degrees), 0.035, where an outline takes 65 % away.
+  const Image image = smooth(objects, {0, 0, 1});
+  EXPECT_NEAR(brightness(pixel(image, 10, 40)), brightness(pixel(image, 12, 40)), 3);
+  EXPECT_LT(brightness(pixel(shaded(objects, {.wire = false}), 10, 40)), brightness(pixel(image, 10, 40)) - 30);
+  // The same normals in the world give the same light on another surface; without normals it gets its own.
+  const Image same = smooth(sheared, glm::transpose(glm::dmat3(turned.object_to_world)) * glm::dvec3(0, 0, 1));
+  EXPECT_NEAR(brightness(pixel(same, 50, 40)), brightness(pixel(image, 50, 40)), 3);
+  const Image own = smooth(sheared, glm::dvec3(0.0));
+  EXPECT_GT(std::abs(brightness(pixel(own, 50, 40)) - brightness(pixel(same, 50, 40))), 5);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
+#include "input_normals.h"
 #include "occlod/build_hlod.h"
 #include "occlod/generate.h"
 #include "support/meshes.h"
@@ -111,6 +112,20 @@ TEST(HlodReference, WhatIsBeyondTheFarPlaneDoesNotCount) {
   const View view(camera);
   for (const double tolerance_px : tolerances_px)
     EXPECT_EQ(city.lost_px(city.front(view, tolerance_px), view, tolerance_px), 0U) << tolerance_px << " px";
+}
+
+// The vertices of a unit sphere are its normals, and those of all levels are vertices of the input.
+TEST(InputNormals, AreThoseOfTheInputAtAllNodes) {
+  const Case sphere(generate("rough-planet", {{"level", 4}, {"amplitude", 0}}));
+  const InputNormals normals(sphere.placed);
+  std::size_t levels = 0;
+  for (hlod::NodeId n = 0; n < sphere.hlod.node_count(); ++n) {
+    levels = std::max(levels, static_cast<std::size_t>(sphere.hlod.node(n).level) + 1);
+    for (const glm::vec3& p : sphere.hlod.mesh(n).positions)
+      EXPECT_GT(glm::dot(normals.at(0, p), glm::normalize(glm::dvec3(p))), 0.999);
+  }
+  EXPECT_GT(levels, 2U);
+  EXPECT_EQ(normals.at(0, glm::vec3(7.0F)), glm::dvec3(0.0));
 }
 
 }  // namespace

@@ -109,6 +109,8 @@ struct NodeState {
   bool hidden : 1 = false;        // the answer was that it is hidden
   bool wasted : 1 = false;        // answered visible, which decided nothing
   bool answered : 1 = false;      // the answer was read
+  bool through_hole : 1 = false;  // something nearer was drawn after the query that gave the bias: it may be too large
+  bool asked_again : 1 = false;   // for that reason, and it has not stopped since: once is enough
   bool last_visited : 1 = false;
   bool last_visible : 1 = false;
   bool last_refined : 1 = false;
@@ -126,7 +128,10 @@ static_assert(sizeof(NodeState) <= 32);
 inline void enter_frame(NodeState& state, std::uint32_t frame) noexcept {
   if (state.frame == frame) return;
   const LastFrame last = last_frame(state, frame);
-  if (!last.visited) state.bias = 1.0F;
+  if (!last.visited) {
+    state.bias = 1.0F;
+    state.through_hole = state.asked_again = false;
+  }
   state.last_visited = last.visited;
   state.last_visible = last.visible;
   state.last_refined = last.refined;

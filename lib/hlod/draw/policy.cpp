@@ -33,6 +33,16 @@ bool may_move_up(FrameScene& scene, NodeRef n) {
   return scene.stops(n, count > 0 ? sum / count : 1.0);
 }
 
+// Returns whether the last answer about a refined node came through a hole in the front, and a smaller one could stop
+// it. The biases of its children do not tell: their mean may be above that of the node.
+bool saw_too_much(FrameScene& scene, NodeRef n) {
+  constexpr double hardly = 1e-300;
+  const NodeState& state = scene.state(n);
+  if (!state.through_hole || !scene.is_fine(n, scene.bias(hardly))) return false;
+  (void)scene.stops(n, static_cast<double>(state.bias));  // where only a floor has refined the node, it has to stay
+  return true;
+}
+
 class CoherentPolicy : public Policy {
  public:
   void begin_frame(const FrameScene& scene) override { coherence_ = scene.trial().coherence; }
@@ -59,8 +69,10 @@ Action predict_coherent(FrameScene& scene, NodeRef n, Coherence coherence) {
   if (scene.is_fine(n, 1.0)) return Action::stop;
   const bool knows_bias = !last.refined || (last.asked && coherence == Coherence::mended);
   if (knows_bias && scene.stops(n, static_cast<double>(scene.state(n).bias))) return Action::stop;
-  if (!last.refined || !may_move_up(scene, n)) return Action::refine;
-  return coherence == Coherence::mended ? Action::descend : Action::delay;
+  if (!last.refined) return Action::refine;
+  const bool mends = coherence == Coherence::mended;
+  if (!may_move_up(scene, n) && !(mends && saw_too_much(scene, n))) return Action::refine;
+  return mends ? Action::descend : Action::delay;
 }
 
 std::unique_ptr<Policy> make_policy(Strategy strategy) {

@@ -33,7 +33,7 @@ class PerNode {
   std::vector<std::vector<T>> values_;
 };
 
-// Decides whether a query is worth its time: Guthe, Balazs and Klein 2006, secs. 3.2, 4.1 and 4.2.
+// Decides whether a query is worth its time: Guthe, Balazs and Klein 2006, secs. 3.2 and 4.1 to 4.3.
 
 // Counts the work that drawing makes in each stage of a device.
 struct DrawWork {

@@ -1,6 +1,7 @@
 #include "hlod/draw/traversal.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 namespace occlod::hlod {
@@ -11,15 +12,16 @@ constexpr std::size_t max_hidden = 50;
 
 }  // namespace
 
-void Questions::begin_frame(const FrameScene& scene, Policy& policy, RenderDevice& device, FrameStats& stats) {
+void Questions::begin_frame(FrameScene& scene, Policy& policy, RenderDevice& device, Frame& frame) {
   scene_ = &scene;
   policy_ = &policy;
   device_ = &device;
-  stats_ = &stats;
+  frame_ = &frame;
   asked_.clear();
   kept_.clear();
   hidden_.clear();
   urgent_.clear();
+  last_.clear();
   settled_ = kept_asked_ = 0;
 }
 
@@ -30,20 +32,27 @@ void Questions::ask(const AskedNode& n, bool was_visible) {
     case Asking::by_rounds:
       return kept_.push_back(n);
     case Asking::late:
-      if (was_visible) return kept_.push_back(n);
+      if (was_visible) return keep(n);
       return urgent_.push({scene_->view_of(n.ref).distance(scene_->node(n.ref).box), n.ref, 0});
     case Asking::by_groups:
-      if (was_visible) return kept_.push_back(n);
+      if (was_visible) return keep(n);
       hidden_.push_back(n.ref);
       if (hidden_.size() >= max_hidden) ask_groups();
   }
 }
 
+// Keeps a formerly visible node for later. What was refined by an answer through a hole waits until there is none.
+void Questions::keep(const AskedNode& n) {
+  NodeState& state = scene_->state(n.ref);
+  state.asked_again = state.asked_again || (state.through_hole && scene_->last(n.ref).refined);
+  (state.through_hole && state.asked_again ? last_ : kept_).push_back(n);
+}
+
 void Questions::ask_singly(const AskedNode& n) {
   boxes_.clear();
   policy_->add_boxes(*scene_, n.ref, boxes_);
-  asked_.push_back({.node = n, .query = device_->ask(boxes_)});
-  ++stats_->queries;
+  asked_.push_back({.node = n, .query = device_->ask(boxes_), .draws = frame_->draws.size()});
+  ++frame_->stats.queries;
 }
 
 void Questions::ask_round() {
@@ -52,8 +61,9 @@ void Questions::ask_round() {
     boxes_.clear();
     for (const AskedNode& n : kept_) boxes_.push_back({n.ref.object, scene_->node(n.ref).box});
     const std::span<const std::uint32_t> counts = device_->wait(device_->ask_each(boxes_));
-    for (std::size_t i = 0; i < kept_.size(); ++i) asked_.push_back({.node = kept_[i], .visible = counts[i]});
-    stats_->queries += kept_.size();
+    for (std::size_t i = 0; i < kept_.size(); ++i)
+      asked_.push_back({.node = kept_[i], .visible = counts[i], .draws = frame_->draws.size()});
+    frame_->stats.queries += kept_.size();
   } else {
     for (const AskedNode& n : kept_) asked_.push_back({.node = n, .was_asked = false});
   }
@@ -79,7 +89,7 @@ void Questions::ask_groups() {
     const QueryId query = device_->ask(boxes_);
     for (const NodeRef n : rest.first(size))
       asked_.push_back({.node = {n, 0.0}, .query = query, .group = static_cast<std::uint32_t>(size)});
-    ++stats_->queries;
+    ++frame_->stats.queries;
     rest = rest.subspan(size);
   }
   hidden_.clear();
@@ -103,7 +113,7 @@ void Questions::settle_group() {
     for (std::size_t i = settled_; i < settled_ + size; ++i) asked_[i].is_known = true;
     return;
   }
-  ++stats_->wasted_queries;
+  ++frame_->stats.wasted_queries;
   for (std::size_t i = settled_; i < settled_ + size; ++i) ask_singly(with_pixels(asked_[i].node.ref));
   settled_ += size;
 }
@@ -146,10 +156,34 @@ bool Questions::ask_waiting() {
     ask_groups();
     return true;
   }
-  if (kept_asked_ == kept_.size()) return false;
-  ask_singly(kept_[kept_asked_++]);
+  if (kept_asked_ < kept_.size()) {
+    ask_singly(kept_[kept_asked_++]);
+    return true;
+  }
+  if (last_.empty()) return false;
+  for (const AskedNode& n : last_) ask_singly(n);
+  last_.clear();
   return true;
 }
+
+void Questions::mark_holes() {
+  if (!policy_->biased()) return;
+  std::size_t draws = frame_->draws.size();
+  double nearest = std::numeric_limits<double>::infinity();  // of what was drawn after the query
+  for (std::size_t i = asked_.size(); i-- > 0;) {
+    const Question& question = asked_[i];
+    for (; draws > question.draws; --draws) {
+      const DrawnNode& drawn = frame_->draws[draws - 1];
+      nearest = std::min(nearest, distance_of({drawn.object, drawn.node}));
+    }
+    NodeState& state = scene_->state(question.node.ref);
+    if (!state.answered || !question.was_asked || question.group > 1) continue;
+    state.asked_again = state.asked_again && state.status == Status::refined;
+    state.through_hole = nearest < distance_of(question.node.ref) && !state.asked_again;
+  }
+}
+
+double Questions::distance_of(NodeRef n) const { return scene_->view_of(n).distance(scene_->node(n).box); }
 
 namespace {
 
@@ -170,7 +204,7 @@ Traversal::Traversal(FrameScene& scene, Policy& policy, RenderDevice& device, Tr
       asked_(frame.asked),
       draws_(scene, device, memory.cuts, frame),
       front_(scene, memory.reached, draws_) {
-  memory_.questions.begin_frame(scene, policy, device, stats_);
+  memory_.questions.begin_frame(scene, policy, device, frame);
   memory_.cuts.begin_frame();
 }
 
@@ -187,6 +221,7 @@ void Traversal::run() {
     else if (!questions.ask_waiting())
       break;
   }
+  questions.mark_holes();
   policy_.end_frame(scene_);
   scene_.end_frame(front_.reached());
 }
@@ -303,6 +338,8 @@ void Traversal::settle_unasked(NodeRef n) {
 
 void Traversal::settle_hidden(NodeRef n) {
   NodeState& state = scene_.state(n);
+  // It is asked again only for its bias, while its children, which are asked too, are drawn.
+  if (state.status == Status::refined && state.through_hole) return;
   // What is below it may have been seen before this answer, so that it counts as visible in the next frame: hardly,
   // or in full where there is no bias.
   constexpr double hardly = 1e-300;

@@ -119,7 +119,10 @@ struct AnsweredNode {
 class Questions {
  public:
   // The references must outlive the frame.
-  void begin_frame(const FrameScene& scene, Policy& policy, RenderDevice& device, FrameStats& stats);
+  void begin_frame(FrameScene& scene, Policy& policy, RenderDevice& device, Frame& frame);
+  // Sets NodeState::through_hole of the nodes that were queried; is called after the last draw of a frame.
+  // O(queries + draws).
+  void mark_holes();
 
   // Makes a query now or later, as the policy says. `was_visible` tells that nothing waits for the answer.
   void ask(const AskedNode& n, bool was_visible);
@@ -137,9 +140,12 @@ class Questions {
     std::uint32_t visible = 0;  // pixels, if is_known
     bool is_known = false;
     bool was_asked = true;
+    std::size_t draws = 0;    // number of draws before it in this frame
     std::uint32_t group = 1;  // number of nodes, from this one on, that share the query
   };
   [[nodiscard]] AskedNode with_pixels(NodeRef n) const;
+  [[nodiscard]] double distance_of(NodeRef n) const;
+  void keep(const AskedNode& n);
   void ask_singly(const AskedNode& n);
   void ask_round();
   void ask_groups();
@@ -148,14 +154,15 @@ class Questions {
   [[nodiscard]] bool is_gone(const Question& question) const;
   [[nodiscard]] bool is_answered(const Question& question);
 
-  const FrameScene* scene_ = nullptr;
+  FrameScene* scene_ = nullptr;
   Policy* policy_ = nullptr;
   RenderDevice* device_ = nullptr;
-  FrameStats* stats_ = nullptr;
+  Frame* frame_ = nullptr;
   std::vector<Question> asked_;  // in this frame, answered ones included
   std::size_t settled_ = 0;      // number of entries of asked_ that are settled
   std::vector<AskedNode> kept_;  // for the next round; with `late` or groups, formerly visible nodes, for idle moments
   std::size_t kept_asked_ = 0;   // number of entries of kept_ that were queried
+  std::vector<AskedNode> last_;  // with `late` or groups: formerly visible nodes for when all other answers are there
   DistanceQueue urgent_;         // with `late`: nodes that were not visible, for when there is nothing else to do
   std::vector<NodeRef> hidden_;  // with groups: nodes that were not visible
   std::vector<BoxRef> boxes_;    // of the query that is being made

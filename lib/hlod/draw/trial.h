@@ -27,8 +27,8 @@ enum class Alpha {
 // Names when coh queries nodes.
 enum class Coherence {
   // Nodes are queried when all nodes that are known to be visible have been drawn. While a node that may replace its
-  // children again is queried, the children are drawn once more. So nothing counts as visible because of a hole that is
-  // still to be filled.
+  // children again is queried, the children are drawn once more. A node that is refined because of what showed through
+  // a hole, before something nearer was drawn, is queried again when the hole is filled.
   mended,
   published,  // Charalambos and others 2007: in turn; such a node is drawn when its answer comes, not its children
 };

@@ -13,8 +13,8 @@
 
 namespace occlod::hlod {
 
-// Charalambos and others 2007, sec. 4: a blend of mu itself and a sigmoid with its turning point at t. The paper prints
-// no formula; this is the simplest smooth one with the properties that it names (docs/internals/hlod.md).
+// Charalambos and others 2007, sec. 3.2: a blend of mu itself and a sigmoid with its turning point at t. The paper
+// prints no formula; this is the simplest smooth one with the properties that it names (docs/internals/hlod.md).
 struct Bias {
   double s = 1.0;  // share of the sigmoid, in [0, 1]; 0: mu itself, as in Charalambos 2006
   double t = 0.3;  // turning point, in [0, 1]: below it errors count less than by mu, above it more

@@ -1,0 +1,45 @@
+// Smooth normals of the input of HLODs, which the vertices of all their nodes have: they are vertices of the input.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "occlod/device.h"
+
+namespace occlod::tool {
+
+class InputNormals {
+ public:
+  // Takes the triangles of level 0: the normal at a point is the mean of those of all triangles that have a corner
+  // there, weighted by area. O(vertices + triangles). Throws Error when a mapped file is damaged.
+  explicit InputNormals(std::span<const hlod::PlacedHlod> placed);
+
+  // Returns the normal at a vertex of one of the HLODs: unit length, object space. Returns zero where the input has no
+  // vertex, or its triangles there cancel out. O(1).
+  [[nodiscard]] glm::dvec3 at(std::size_t object, const glm::vec3& position) const;
+
+ private:
+  // A hash table of the vertices of one HLOD.
+  class Table {
+   public:
+    // Adds all of level 0.
+    explicit Table(const hlod::Hlod& hlod);
+    // Returns the sum over triangles, twice their area long; null at no vertex.
+    [[nodiscard]] const glm::vec3* find(const glm::vec3& position) const;
+
+   private:
+    struct Entry {
+      glm::vec3 position;
+      glm::vec3 normal;
+    };
+    [[nodiscard]] std::size_t slot(const glm::vec3& position) const;
+    std::vector<Entry> entries_;
+    std::vector<std::uint32_t> slots_;  // a power of two; entry + 1, or 0 for none
+  };
+  std::vector<Table> tables_;  // per object
+};
+
+}  // namespace occlod::tool
