@@ -79,8 +79,8 @@ TEST(Covered, SceneSharesAreThoseOfTheRootsBoxes) {
   EXPECT_EQ(root_share(planet, ObjectFrame(View(camera), {&planet}, {})), 1.0);
 }
 
-// The near half hides the far half, however small both are in the image. As printed, nothing that covers less than a
-// tenth of the image hides anything with more than a tenth of probability.
+// The near half hides the far half, however small both are in the image. As printed, what covers a tenth of the image
+// hides nothing with a probability of more than a tenth.
 TEST(Covered, OfASceneThatHidesItselfMoreIsAskedAbout) {
   const Hlod& planet = test::planet(Grouping::nested);
   const View view(far_away(planet));
