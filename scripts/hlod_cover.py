@@ -1,4 +1,6 @@
 """Fig. 3 of Guthe, Balazs and Klein 2006: how often boxes are covered, beside how probable p_cov holds it, theirs and ours."""
+import csv
+
 import hlod_table4
 
 MODELS = ("printed", "in_scene")
@@ -22,3 +24,13 @@ def print_cover(document, results):
         means = [sum(cell["objects"] * cell[key] for cell in told["by_coverage"]) / objects for key in ("hidden", *MODELS)]
         rows.append([source, f"{objects:,.0f}", *(f"{mean:.3f}" for mean in means), *(shown(told["models"][model]["difference"]) for model in MODELS), told["hash"]])
     document.table(["", "boxes", "covered", "as printed", "of the scene", "difference, printed", "of the scene", "hash"], rows)
+
+
+def write_csv(results):
+    """A line for each scene, c_scr and c_bb."""
+    rows = [{"scene": source, **cell} for source, told in results.load_all("cover", SOURCES).items() for cell in told["by_coverage"]]
+    if rows:
+        with open(results.folder / "cover.csv", "w", newline="") as file:
+            table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+            table.writeheader()
+            table.writerows(rows)

@@ -115,6 +115,7 @@ def ms_without_bias(points):
 
 def culling(document, results):
     hlod_table4.print_guthe(document, results)
+    hlod_table4.print_lengths(document, results)
     figures = [course(results, ["table4_city"], FIGURE_7, "frame_ms", "ms", "Fig. 7: city, walk between houses, query-dear", DEAR),
                course(results, ["figure8_city"], FIGURE_8, "frame_ms", "ms", "Fig. 8: city, above the roofs, query-dear", DEAR)]
     add_figures(document, "Guthe and others 2006, figures 7 and 8: much and little is hidden", figures)

@@ -414,6 +414,7 @@ def print_tables(document, results):
     print_llvmpipe(document, results)
     print_sweep(document, results)
     hlod_table4.print_guthe(document, results)
+    hlod_table4.print_lengths(document, results)
     hlod_cover.print_cover(document, results)
     hlod_splits.print_splits(document, results)
     print_goals(document, results)
@@ -425,6 +426,7 @@ def main():
     print(f"# HLODs refined by occlusion queries\n\n{about['date']}, {about['machine']}{', quick: rough figures' if about['quick'] else ''}\n")
     print_tables(Markdown(), results)
     write_csv(results)
+    hlod_cover.write_csv(results)
     write_motion_csv(results)
 
 
