@@ -2,13 +2,13 @@
 # Sets up, builds and makes the figures of the pages of docs/benchmarks anew, page by page. Results as text, CSV and JSON go to
 # out/bench/PAGE.
 # bench.sh [PAGE...]
-#   PAGE  building, accuracy, refinement, occlusion, hlod, view_cells, devices; all of them when none is named.
+#   PAGE  building, accuracy, refinement, occlusion, hlod, culling, view_cells, devices; all of them when none is named.
 #         What needs a GPU or many cores is measured by check_gpu.sh, robustness by test.sh, sanitize.sh and fuzz.sh.
 # OCCLOD_MESHES: folders with real meshes, separated by ':'; benchmarks leave out those that are missing and say so.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-pages=(building accuracy refinement occlusion hlod view_cells devices)
+pages=(building accuracy refinement occlusion hlod culling view_cells devices)
 programs=build/bench/bench
 
 # run PROGRAM RESULT [OPTION...]: prints what it measures, and keeps it as out/bench/PAGE/RESULT.
@@ -63,6 +63,10 @@ occlusion() {
 
 hlod() {
   scripts/hlod_report.sh
+}
+
+culling() {
+  scripts/hlod_tables.sh --only table4,cover
 }
 
 view_cells() {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The tables of Charalambos 2006, of Charalambos and others 2007 and of Guthe, Balazs and Klein 2006 with our figures beside
-# theirs, and what HLODs are asked to reach with verdicts (docs/benchmarks/hlod.md): builds what it needs,
+# theirs, and what HLODs are asked to reach with verdicts (docs/benchmarks/hlod.md, culling.md): builds what it needs,
 # builds the HLODs, draws, prints.
 # hlod_tables.sh [--quick] [--reuse] [--only PART,PART,...] [--crack-frames N] [--devices NAME,NAME,...]
 #   --quick    fewer frames, fronts and small scenes only: a few minutes; figures are rough
