@@ -10,9 +10,9 @@
 namespace occlod::hlod {
 
 // Chooses between batch, which predicts like coh and asks only what pays off like nohc, and no queries at all: neither
-// coh nor nohc was found clearly faster anywhere (docs/benchmarks/culling.md). The other candidate is tried now and then,
-// the less often the worse it was, and is chosen when it takes clearly less time than the frames just before. Times are
-// modelled, so choices depend on counts only.
+// coh nor nohc was found clearly faster anywhere (docs/benchmarks/culling.md). The other candidate is tried now and
+// then, the less often the worse it was, and is chosen when it takes clearly less time than the frames just before.
+// Times are modelled, so choices depend on counts only.
 class StrategyChoice {
  public:
   static constexpr std::array<Strategy, 2> candidates{Strategy::batch, Strategy::vfc};
