@@ -162,7 +162,7 @@ TEST(HullGuards, ATunnelIsOpen) {
   EXPECT_FALSE(hides(walls.positions, walls.triangles, {}));
 }
 
-// Of 23,000 triangles in the hull. The window, at y = z = -2.0 in a hull that ends at -2.1, is far beyond the 1,024
+// Of 23,000 triangles in the hull. The window, at y = z = -2.0 in a hull that ends at -2.1, is far beyond the 4,096
 // that are looked at from the middle on: that none of those is a border says nothing.
 TEST(HullGuards, AFloodThatIsCutOffHidesNothing) {
   const Mesh wall = wall_with_window(128, 12);
