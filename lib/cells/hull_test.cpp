@@ -133,6 +133,13 @@ namespace {
 
 // Where a segment meets more triangles, those near the cell hide most.
 constexpr std::size_t max_seeds = 16;
+// Segments that must all be blocked before floods begin: that of the middles and those of the corners. The other inner
+// ones are seldom free where these are not.
+constexpr std::size_t tested_segments = 1 + outer_segments;
+
+CellSegment tested_segment(const CellBox& cell, const CellBox& what, std::size_t i) {
+  return segment_between(cell, what, i == 0 ? 0 : inner_segments + i - 1);
+}
 
 }  // namespace
 
@@ -182,7 +189,7 @@ void HullTest::begin_floods() {
 // Finds at most `most` triangles on the segment that may hide the box, roughly in order from the cell to the box.
 void HullTest::find_hits(const CellBox& what, std::size_t segment, std::size_t most,
                          std::vector<std::uint32_t>& hits) const {
-  const CellSegment s = segment_between(cell_, what, segment);
+  const CellSegment s = tested_segment(cell_, what, segment);
   hits.clear();
   surface_.for_each_hit(s.from, s.to, [&](std::uint32_t t) {
     if (!must_avoid(t, what)) hits.push_back(t);
@@ -201,11 +208,10 @@ bool HullTest::is_boxed(const CellBox& what) {
   return false;
 }
 
-// Returns whether some other segment meets nothing that may hide the box.
+// Returns whether some other tested segment meets nothing that may hide the box.
 bool HullTest::is_free(const CellBox& what) {
-  constexpr std::size_t count = inner_segments + outer_segments;
-  for (std::size_t i = 1; i < count; ++i) {
-    const std::size_t segment = (first_segment_ + i) % count;
+  for (std::size_t i = 1; i < tested_segments; ++i) {
+    const std::size_t segment = (first_segment_ + i) % tested_segments;
     if (is_blocked(what, segment)) continue;
     first_segment_ = segment;
     return true;
@@ -215,7 +221,7 @@ bool HullTest::is_free(const CellBox& what) {
 
 // Tests the triangle that blocked this segment for another box first, because it often does so again.
 bool HullTest::is_blocked(const CellBox& what, std::size_t segment) {
-  const CellSegment s = segment_between(cell_, what, segment);
+  const CellSegment s = tested_segment(cell_, what, segment);
   std::uint32_t& blocker = blockers_[segment];
   if (blocker != no_id && surface_.meets(blocker, s.from, s.to) && !must_avoid(blocker, what)) return true;
   find_hits(what, segment, 1, hits_);

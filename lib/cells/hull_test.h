@@ -125,8 +125,8 @@ class HullTest {
   std::vector<std::uint32_t> seeds_;  // triangles where floods begin
   std::vector<std::uint32_t> hits_;   // those of another segment
   std::size_t first_segment_ = 0;     // first segment to try: the one that was free last
-  // the last triangle that blocked each segment
-  std::array<std::uint32_t, inner_segments + outer_segments> blockers_{};
+  // The last triangle that blocked each of the segments that are tested.
+  std::array<std::uint32_t, 1 + outer_segments> blockers_{};
   std::vector<std::uint32_t> reached_;     // triangles reached by this flood, visited ones first
   ZeroedArray<std::uint32_t> reached_by_;  // per triangle: the last flood that reached it
   std::uint32_t flood_ = 0;                // number of the current flood

@@ -11,15 +11,7 @@ LeafFaces::LeafFaces(std::span<const RefineObject> objects) : objects_(objects.b
   for (const RefineObject& object : objects) cuts_.emplace_back(*object.hierarchy);
 }
 
-void LeafFaces::set(std::uint32_t object, std::span<const SplitId> applied) {
-  Cut& cut = cuts_[object];
-  cut.clear();
-  for (const SplitId s : applied) {
-    if (cut.applied(s)) continue;  // never happens if they are closed under dependency
-    static_cast<void>(cut.closure(s));
-    cut.apply_closure();
-  }
-}
+void LeafFaces::set(std::uint32_t object, std::span<const SplitId> applied) { cuts_[object].set(applied); }
 
 bool LeafFaces::faces_away(std::uint32_t object, const CellView& view, const Triangle& t) const {
   if (objects_[object].two_sided) return false;

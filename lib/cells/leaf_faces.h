@@ -23,7 +23,8 @@ class LeafFaces {
   // The hierarchies of the objects must outlive this object.
   explicit LeafFaces(std::span<const RefineObject> objects);
 
-  // Sets the cut of this object. `applied` is ascending and closed under dependency. O(applied).
+  // Sets the cut of this object. `applied` is ascending and closed under dependency. Takes least where it differs
+  // little from the last cut, as those of neighbouring cells do. See Cut::set().
   void set(std::uint32_t object, std::span<const SplitId> applied);
 
   // Returns, ascending, the faces that are in `drawn`, and those of the others that do not face away. `drawn` holds

@@ -146,6 +146,31 @@ void Cut::take_back(SplitId s) {
   some_taken_back_ = true;
 }
 
+// A split is needed only by larger ones, which have been taken back, if at all, when its turn comes.
+void Cut::set(std::span<const SplitId> splits) try {
+  sort_applied();
+  auto kept = splits.rbegin();
+  for (auto it = applied_.rbegin(); it != applied_.rend(); ++it) {
+    while (kept != splits.rend() && *kept > *it) ++kept;
+    if ((kept == splits.rend() || *kept != *it) && is_leaf(*it)) take_back(*it);
+  }
+  drop_taken_back();
+  for (const SplitId s : splits) {
+    if (applied(s)) continue;
+    static_cast<void>(closure(s));
+    apply_closure();
+  }
+  sort_applied();
+} catch (const Error&) {
+  clear();
+  throw;
+}
+
+void Cut::sort_applied() {
+  drop_taken_back();
+  sort_ids(applied_, sorting_);
+}
+
 void Cut::drop_taken_back() {
   if (!some_taken_back_) return;
   const auto taken_back = [&](SplitId s) { return !applied(s); };
@@ -185,8 +210,10 @@ bool Cut::removed(SplitId s, std::uint32_t slot) const {
 }
 
 void Cut::active_triangles(std::vector<Triangle>& out, bool sorted) {
-  drop_taken_back();
-  if (sorted) sort_ids(applied_, sorting_);
+  if (sorted)
+    sort_applied();
+  else
+    drop_taken_back();
   out.resize(triangles_);
   Triangle* at = out.data();
   for_each_active([&](const FaceRef&, const Triangle& triangle) { *at++ = triangle; });
@@ -195,8 +222,10 @@ void Cut::active_triangles(std::vector<Triangle>& out, bool sorted) {
 
 void Cut::active_wedge_triangles(std::vector<Triangle>& out, bool sorted) {
   if (!hierarchy_->has_seams()) return active_triangles(out, sorted);
-  drop_taken_back();
-  if (sorted) sort_ids(applied_, sorting_);
+  if (sorted)
+    sort_applied();
+  else
+    drop_taken_back();
   out.resize(triangles_);
   Triangle* at = out.data();
   for_each_active([&](const FaceRef& face, const Triangle& t) { *at++ = wedges_of_face(*hierarchy_, face, t); });

@@ -54,6 +54,11 @@ class Cut {
   // Takes back a split. Precondition: it is a leaf.
   void take_back(SplitId s);
 
+  // Applies these splits, which are ascending, and all that they need, and no other: takes back and applies only what
+  // differs. O(splits applied before and after), some nanoseconds each, and what apply_closure() takes for each that
+  // differs. Throws Error as closure() and apply_closure() do, and is then the base mesh.
+  void set(std::span<const SplitId> splits);
+
   // Writes the active faces: faces of the base mesh and of applied splits that no applied split removes. Base faces
   // come first; iff `sorted`, the others follow by split and slot, and applied_splits() is sorted as well.
   void active_triangles(std::vector<Triangle>& out, bool sorted);
@@ -73,6 +78,7 @@ class Cut {
   [[nodiscard]] bool needs_no_other(const SplitStar& star) const;
   void apply(SplitId s);
   void drop_taken_back();
+  void sort_applied();
   void set_removed(const FaceRef& face, bool removed);
   [[nodiscard]] bool removed(const FaceRef& face) const;
   [[nodiscard]] bool removed(SplitId s, std::uint32_t slot) const;
