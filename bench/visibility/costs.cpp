@@ -53,7 +53,7 @@ std::vector<Variant> variants(const RefineOptions& base) {
       {"visible share ^ 3/2", with(base, [](O& o) { tune(o).visible_exponent = 1.5; })},
       {"grazing ^ 1/2", with(base, [](O& o) { tune(o).grazing_exponent = 0.5; })},
       {"forced ^ 3/4", with(base, [](O& o) { tune(o).forced_exponent = 0.75; })},
-      {"covered 0.7", with(base, [](O& o) { tune(o).covered_factor = 0.7; })},
+      {"covered 1/2", with(base, [](O& o) { tune(o).covered_factor = 0.5; })},
       {"conservative", with(base, [](O& o) { o.mode = OccluderMode::conservative; })},
   };
 }

@@ -124,7 +124,8 @@ class EntryQueries {
     double milliseconds = 0.0;  // time that asking took
   };
   // Asks about entries that must be asked about and removes the hidden ones; the others keep their order. Those whose
-  // vertices turn out to be covered go to `newly_covered` with lower priorities. note_answers() must follow. May run on any thread if the backend allows that; only the caller's own time counts.
+  // vertices turn out to be covered go to `newly_covered` with lower priorities. note_answers() must follow. May run on
+  // any thread if the backend allows that; only the caller's own time counts.
   void take_out_hidden(std::vector<Entry>& entries, Questions& questions) const;
   void note_answers(const Questions& questions, bool own_time = true);
 
@@ -210,8 +211,8 @@ class NodeVisits {
 // that memory and vectors serve many at once, and splits are applied, worst first, after all worse nodes have been
 // visited. Nodes are asked about when their turn comes, not when they are found, so that nothing is spent on those
 // whose turn never comes. With Culling::star, separate questions decide about descending and applying, and a split
-// waits as long as what it forces is not worth it, or until others have needed that as well. What is hidden at the end is asked about once more. Reuses its
-// memory.
+// waits as long as what it forces is not worth it, or until others have needed that as well. What is hidden at the end
+// is asked about once more. Reuses its memory.
 class FromScratch {
  public:
   // Leaves the result in the scene's cuts and adds to `stats`. All arguments must outlive the call.
@@ -289,7 +290,7 @@ class FromScratch {
   std::size_t turn_ = 0;
   EntryQueries::Questions about_applies_;
   WaitingSplits waiting_;
-  std::vector<Entry> woken_;           // scratch, like the next one
+  std::vector<Entry> woken_;  // scratch, like the next one
   std::vector<SplitId> needed_;
   std::vector<float> root_scales_px_;  // scratch for one object
 

@@ -84,8 +84,8 @@ void OcclusionQueries::ask(std::span<const Entry> entries, std::span<Verdict> ve
   count(entries, verdicts, milliseconds_since(start));
 }
 
-// Asks in pieces that stay in the cache: tests vertices, which decide most questions, then asks about bounds, then looks
-// again at the vertices of stars that are visible all the same.
+// Asks in pieces that stay in the cache: tests vertices, which decide most questions, then asks about bounds, then
+// looks again at the vertices of stars that are visible all the same.
 void OcclusionQueries::find(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const {
   const std::size_t max_at_once = std::max(min_at_once, flight_);
   for (std::size_t first = 0; first < entries.size(); first += max_at_once) {

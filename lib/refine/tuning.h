@@ -33,7 +33,7 @@ struct Tuning {
   double visible_exponent = 1.0;    // in [0, 8]
   double grazing_exponent = 0.375;  // in [0, 8]
   double forced_exponent = 0.5;     // in [0, 8]
-  double covered_factor = 0.35;     // in [0.001, 1]
+  double covered_factor = 0.25;     // in [0.001, 1]
   Proxy proxy = Proxy::box;
   // From scratch, the occluder is drawn when so many splits are applied; ascending. Empty: at a third of the budget in
   // triangles and at sixths of that, if the mesh has moved by a pixel since the one before.
