@@ -409,7 +409,7 @@ bool FromScratch::apply_above_visits() {
 
 // Returns whether nothing is left to do about a split: it has been applied, or hidden, when it was forced or before it
 // was queued again.
-bool FromScratch::is_settled(const Entry& entry) const {
+bool FromScratch::is_done(const Entry& entry) const {
   Importance& importance = scene_.importances[entry.object];
   return (*scene_.cuts)[entry.object].applied(entry.split) ||
          (importance.knows_share(entry.split) && importance.visible_share(entry.split) == 0.0F);
@@ -423,7 +423,7 @@ bool FromScratch::take_applies() {
   while (applies_.size() < max_at_once && !applies.empty() && matters(applies.top()) &&
          is_above_visits(applies.top())) {
     const Entry entry = applies.pop();
-    if (!is_settled(entry)) applies_.push_back(entry);
+    if (!is_done(entry)) applies_.push_back(entry);
   }
   return !applies_.empty();
 }

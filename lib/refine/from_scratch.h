@@ -244,7 +244,7 @@ class FromScratch {
     return taken_visits_.empty() || Queue::band_of(entry) > visits_band_;
   }
   [[nodiscard]] bool take_applies();
-  [[nodiscard]] bool is_settled(const Entry& entry) const;
+  [[nodiscard]] bool is_done(const Entry& entry) const;
   void apply_taken();
   void look_at_needed();
   void draw_occluder();
