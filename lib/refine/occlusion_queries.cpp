@@ -88,11 +88,13 @@ void OcclusionQueries::ask(std::span<const Entry> entries, std::span<Verdict> ve
 // looks again at the vertices of stars that are visible all the same.
 void OcclusionQueries::find(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const {
   const std::size_t max_at_once = std::max(min_at_once, flight_);
+  const RefineOptions* const options = scene_.options;
+  const bool looks_for_covered = visibility_->tests_points() && tuning_of(*options).covered_factor < 1.0;
   for (std::size_t first = 0; first < entries.size(); first += max_at_once) {
     const std::size_t size = std::min(max_at_once, entries.size() - first);
     find_vertices_that_show(entries.subspan(first, size), verdicts.subspan(first, size), scratch);
     ask_about_bounds(entries.subspan(first, size), verdicts.subspan(first, size), scratch);
-    if (visibility_->tests_points()) find_covered(entries.subspan(first, size), verdicts.subspan(first, size), scratch);
+    if (looks_for_covered) find_covered(entries.subspan(first, size), verdicts.subspan(first, size), scratch);
   }
 }
 
