@@ -436,7 +436,9 @@ void FromScratch::apply_taken() {
   look_at_needed();
   for (turn_ = 0; turn_ < applies_.size(); ++turn_) {
     if (used_up() || step_due()) break;
+    woken_.clear();
     apply(applies_[turn_]);
+    if (!used_up()) take_woken();
   }
   while (applies_.size() > turn_) {
     queues_.push(applies_.back());
@@ -446,6 +448,16 @@ void FromScratch::apply_taken() {
     finish_visits();  // they have been asked about with the old occluder
     draw_occluder();
   }
+}
+
+// Lets woken entries that are seen have the next turns, so that none is left over when the budget ends.
+void FromScratch::take_woken() {
+  std::erase_if(woken_, [&](const Entry& entry) { return is_done(entry); });
+  if (woken_.empty()) return;
+  entries_.take_out_hidden(woken_, about_woken_);
+  entries_.note_answers(about_woken_);
+  for (const Entry& entry : about_woken_.newly_covered) queues_.push(entry);
+  applies_.insert(applies_.begin() + static_cast<std::ptrdiff_t>(turn_) + 1, woken_.begin(), woken_.end());
 }
 
 // Puts an entry in its place among the taken ones, or into the queue behind them. Returns false when it is next anyway.
@@ -623,11 +635,8 @@ void FromScratch::apply_closure(const Entry& entry, const Cut::Closure& closure)
   const bool by_star = tuning_of(*scene_.options).culling == Culling::star;
   for (const SplitId s : closure.splits.subspan(1))
     forced_.push_back({entry.object, s, by_star && scene_.importances[entry.object].visible_share(s) == 0.0F});
-  woken_.clear();
   waiting_.wake(entry.object, closure.splits, woken_);
   scene_.cuts->apply_closure(entry.object);
-  for (const Entry& again : woken_)
-    if (!(*scene_.cuts)[again.object].applied(again.split)) queues_.push(again);
 }
 
 Growth FromScratch::growth() const {

@@ -246,6 +246,7 @@ class FromScratch {
   [[nodiscard]] bool take_applies();
   [[nodiscard]] bool is_done(const Entry& entry) const;
   void apply_taken();
+  void take_woken();
   void look_at_needed();
   void draw_occluder();
   void readmit();
@@ -288,7 +289,7 @@ class FromScratch {
   // The next splits, in order, and the index of the one whose turn it is.
   std::vector<Entry> applies_;
   std::size_t turn_ = 0;
-  EntryQueries::Questions about_applies_;
+  EntryQueries::Questions about_applies_, about_woken_;
   WaitingSplits waiting_;
   std::vector<Entry> woken_;  // scratch, like the next one
   std::vector<SplitId> needed_;
