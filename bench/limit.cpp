@@ -76,6 +76,7 @@ class RecordingVisibility final : public Visibility {
       }
     software_->answer(queries, answers);
   }
+  [[nodiscard]] bool tests_points() const noexcept override { return software_->tests_points(); }
   void find_visible_points(std::uint32_t object, std::span<const glm::vec3> points,
                            std::span<std::uint8_t> visible) override {
     eras_.back().points.push_back({object, {points.begin(), points.end()}});

@@ -24,6 +24,7 @@ class CoarseOcclusion final : public Visibility {
   void answer(std::span<const VisibilityQuery> queries, std::span<std::uint32_t> answers) override {
     software_->answer(queries, answers);
   }
+  [[nodiscard]] bool tests_points() const noexcept override { return software_->tests_points(); }
   void find_visible_points(std::uint32_t object, std::span<const glm::vec3> points,
                            std::span<std::uint8_t> visible) override {
     software_->find_visible_points(object, points, visible);

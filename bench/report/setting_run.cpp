@@ -34,8 +34,9 @@ std::unique_ptr<Visibility> make_visibility(const Setting& setting) {
 std::string what_hides(const Setting& setting) {
   const RefineOptions& o = setting.refine;
   if (!setting.occlusion) return {};
-  return fmt::format("{} {} {} {} {} {} {} {} {} {} {}", setting.raster_divisor, static_cast<int>(tuning_of(o).culling),
-                     tuning_of(o).visible_exponent, tuning_of(o).grazing_exponent, tuning_of(o).forced_exponent,
+  return fmt::format("{} {} {} {} {} {} {} {} {} {} {} {}", setting.raster_divisor,
+                     static_cast<int>(tuning_of(o).culling), tuning_of(o).visible_exponent,
+                     tuning_of(o).grazing_exponent, tuning_of(o).forced_exponent, tuning_of(o).covered_factor,
                      fmt::join(tuning_of(o).occluder_splits, ","), tuning_of(o).retest_hidden, tuning_of(o).final_check,
                      static_cast<int>(o.mode), static_cast<int>(tuning_of(o).proxy), tuning_of(o).level_step);
 }

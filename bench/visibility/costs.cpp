@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "accuracy.h"
 #include "refine/tuning.h"
 #include "visibility/subjects.h"
 
@@ -48,6 +49,11 @@ std::vector<Variant> variants(const RefineOptions& base) {
       {"no weight of the visible share", with(base, [](O& o) { tune(o).visible_exponent = 0.0; })},
       {"no weight of grazing faces", with(base, [](O& o) { tune(o).grazing_exponent = 0.0; })},
       {"no weight of what is forced", with(base, [](O& o) { tune(o).forced_exponent = 0.0; })},
+      {"no weight of what is covered", with(base, [](O& o) { tune(o).covered_factor = 1.0; })},
+      {"visible share ^ 3/2", with(base, [](O& o) { tune(o).visible_exponent = 1.5; })},
+      {"grazing ^ 1/2", with(base, [](O& o) { tune(o).grazing_exponent = 0.5; })},
+      {"forced ^ 3/4", with(base, [](O& o) { tune(o).forced_exponent = 0.75; })},
+      {"covered 1/2", with(base, [](O& o) { tune(o).covered_factor = 0.5; })},
       {"conservative", with(base, [](O& o) { o.mode = OccluderMode::conservative; })},
   };
 }
@@ -59,10 +65,12 @@ void add_variants_of(Table& table, SceneRun& run, const VisibilityOptions& optio
   for (int round = 0; round < options.repeat; ++round)
     for (std::size_t i = 0; i < all.size(); ++i) measurements[i].repeat(run.view, all[i].options, *run.software);
 
+  const tool::FullMeshPicture full(run.objects, run.view);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const RefineStats& stats = measurements[i].refinement().stats;
     const tool::RenderTimes times = measurements[i].times();
     const Share share{stats.triangles, measurements[i].visible_triangles(), {}};
+    const PictureDistance distance = full.distance_to(measurements[i].items(), measurements[i].objects());
     table.add({{"scene", run.description.name},
                {"culling", name_of(culling)},
                {"variant", all[i].name},
@@ -70,6 +78,8 @@ void add_variants_of(Table& table, SceneRun& run, const VisibilityOptions& optio
                {"triangles", stats.triangles},
                {"visible", share.visible},
                {"share", share.percent()},
+               {"depth_rms_px", distance.depth_rms_px},
+               {"silhouette_mismatch", distance.silhouette_mismatch},
                {"queries", stats.queries},
                {"hidden", stats.queries_hidden},
                {"wasted", stats.queries - stats.queries_hidden},
@@ -146,6 +156,8 @@ Subject variants_subject(const VisibilityOptions& options) {
         {"triangles", ""},
         {"visible", "visible"},
         {"share", "share %", 1},
+        {"depth_rms_px", "depth RMS px", 3},
+        {"silhouette_mismatch", "silhouette %", 3},
         {"queries", "queries"},
         {"hidden", "hidden"},
         {"wasted", "wasted"},
@@ -159,7 +171,10 @@ Subject variants_subject(const VisibilityOptions& options) {
 }
 
 std::vector<Table> variants_by_scene(const Table& variants) {
-  return {by_scene(variants, "share", "share of visible triangles, %", 1), by_scene(variants, "queries", "queries", 0),
+  return {by_scene(variants, "share", "share of visible triangles, %", 1),
+          by_scene(variants, "depth_rms_px", "depth RMS against the full meshes, px", 3),
+          by_scene(variants, "silhouette_mismatch", "pixels where the silhouette differs, %", 3),
+          by_scene(variants, "queries", "queries", 0),
           by_scene(variants, "wasted", "of them answered visible", 0),
           by_scene(variants, "occlusion_ms", "occlusion, ms", 1),
           by_scene(variants, "both_ms", "refinement and occlusion, ms", 1)};

@@ -150,6 +150,8 @@ class SoftwareOcclusion final : public Visibility {
     batches.test_all();
   }
 
+  [[nodiscard]] bool tests_points() const noexcept override { return !counts_pixels_; }
+
   void find_visible_points(std::uint32_t object, std::span<const glm::vec3> points,
                            std::span<std::uint8_t> visible) override {
     if (!occluder_drawn_ || counts_pixels_) {

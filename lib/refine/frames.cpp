@@ -28,7 +28,7 @@ std::uint32_t count_removed(const SplitStar& star, SplitId from) {
 }  // namespace
 
 float UnseenNeeds::weight_of_applied(std::uint32_t object, SplitId s) {
-  return weight(std::min(needed_by(object, s, max_depth), max_kept));
+  return weight(object, s, std::min(needed_by(object, s, max_depth), max_kept));
 }
 
 float UnseenNeeds::weight_of_closure(std::uint32_t object, const Cut::Closure& closure) {
@@ -37,7 +37,7 @@ float UnseenNeeds::weight_of_closure(std::uint32_t object, const Cut::Closure& c
     kept += needed_by_unapplied(object, s);
     if (s != closure.splits[0]) forced += unseen_part(object, s);
   }
-  return weight(std::min(kept, max_kept) + forced);
+  return weight(object, closure.splits[0], std::min(kept, max_kept) + forced);
 }
 
 // Returns the charges of a split. If it removes several faces of another split, it is charged for each.
@@ -97,10 +97,12 @@ float UnseenNeeds::unseen_part(std::uint32_t object, SplitId s) {
   return 1.0F - front.visible_share(k);
 }
 
-float UnseenNeeds::weight(float unseen) const {
-  const RefineOptions* const options = evaluation_.scene().options;
-  const double exponent = tuning_of(*options).forced_exponent;
-  return exponent == 1.0 ? 1.0F / (1.0F + unseen) : std::pow(1.0F + unseen, -static_cast<float>(exponent));
+float UnseenNeeds::weight(std::uint32_t object, SplitId s, float unseen) const {
+  const Tuning& tuning = tuning_of(*evaluation_.scene().options);
+  const Front& front = evaluation_.front(object);
+  const float covered = front.is(front.find(s), Front::covered) ? static_cast<float>(tuning.covered_factor) : 1.0F;
+  if (tuning.forced_exponent == 1.0) return covered / (1.0F + unseen);
+  return covered * std::pow(1.0F + unseen, -static_cast<float>(tuning.forced_exponent));
 }
 
 namespace {

@@ -58,7 +58,7 @@ class FrontQueries {
   void adopt(std::span<const Entry> hidden);
   // Starts a frame that goes on from the one before. `frame` is its number; `moved`: earlier answers are out of date.
   void begin_frame(std::uint32_t frame, bool moved);
-  // Unmarks all hidden nodes, because no earlier answer holds any more.
+  // Unmarks all hidden and covered nodes, because no earlier answer holds any more.
   void forget_hidden();
 
   // Draws an occluder, then asks about hidden nodes that would matter and about a rotating share of the leaves. What is
@@ -86,7 +86,8 @@ class FrontQueries {
   void draw_occluder();
   // Asks all of asked_, and keeps those there that are shown now and were hidden before.
   void ask_all();
-  bool note(const Entry& entry, bool visible);
+  void set_covered(Front& front, Front::Index k, bool covered) const;
+  bool note(const Entry& entry, const OcclusionQueries::Verdict& verdict);
   [[nodiscard]] float min_error(float level) const;
 
   FrontEvaluation& evaluation_;
@@ -109,7 +110,8 @@ class UnseenNeeds {
 
   void begin_frame(std::uint32_t frame) noexcept { frame_ = frame; }
 
-  // Returns the factor by which the priority of an applied split sinks, in (0, 1]. O(direct dependencies), because
+  // Returns the factor by which the priority of an applied split sinks, also because its vertex is covered, in (0, 1].
+  // O(direct dependencies), because
   // their charges are kept for some frames.
   [[nodiscard]] float weight_of_applied(std::uint32_t object, SplitId s);
   // Returns the factor of closure.splits[0] once the closure is applied. O(closure).
@@ -122,7 +124,7 @@ class UnseenNeeds {
   [[nodiscard]] float charge(std::uint32_t object, SplitId s, std::uint32_t own, std::uint32_t removed, int depth);
   [[nodiscard]] float below(std::uint32_t object, Front::Index k, int depth);
   [[nodiscard]] float unseen_part(std::uint32_t object, SplitId s);
-  [[nodiscard]] float weight(float unseen) const;
+  [[nodiscard]] float weight(std::uint32_t object, SplitId s, float unseen) const;
 
   FrontEvaluation& evaluation_;
   std::uint32_t frame_ = 0;

@@ -63,6 +63,55 @@ void Victims::push(std::uint32_t object, SplitId s, Importance& importance) {
   std::push_heap(heap_.begin(), heap_.end(), less_urgent);
 }
 
+void WaitingSplits::clear() noexcept {
+  entries_.clear();
+  waits_.clear();
+  links_.clear();
+  std::fill(slots_.begin(), slots_.end(), Slot{});
+  used_slots_ = 0;
+}
+
+void WaitingSplits::wait(const Entry& entry, std::span<const SplitId> needed) {
+  const auto waiting = static_cast<std::uint32_t>(entries_.size());
+  entries_.push_back(entry);
+  waits_.push_back(true);
+  for (const SplitId s : needed) {
+    if (2 * (used_slots_ + 1) > slots_.size()) grow();
+    Slot& slot = slot_of(entry.object, s);
+    if (slot.needed == no_id) {
+      slot = {s, entry.object, none};
+      ++used_slots_;
+    }
+    links_.push_back({waiting, slot.first});
+    slot.first = static_cast<std::uint32_t>(links_.size() - 1);
+  }
+}
+
+void WaitingSplits::wake(std::uint32_t object, std::span<const SplitId> applied, std::vector<Entry>& woken) {
+  if (used_slots_ == 0) return;
+  for (const SplitId s : applied)
+    for (std::uint32_t at = slot_of(object, s).first; at != none; at = links_[at].next) {
+      if (waits_[links_[at].entry]) woken.push_back(entries_[links_[at].entry]);
+      waits_[links_[at].entry] = false;
+    }
+}
+
+WaitingSplits::Slot& WaitingSplits::slot_of(std::uint32_t object, SplitId needed) {
+  const std::uint64_t mixed = (std::uint64_t{object} << 32U | needed) * 0x9E3779B97F4A7C15U;
+  std::size_t at = static_cast<std::size_t>(mixed >> 32U) & (slots_.size() - 1);
+  while (slots_[at].needed != no_id && (slots_[at].needed != needed || slots_[at].object != object))
+    at = (at + 1) & (slots_.size() - 1);
+  return slots_[at];
+}
+
+void WaitingSplits::grow() {
+  constexpr std::size_t min_slots = 1024;
+  std::vector<Slot> old(std::max(min_slots, 2 * slots_.size()));
+  old.swap(slots_);
+  for (const Slot& slot : old)
+    if (slot.needed != no_id) slot_of(slot.object, slot.needed) = slot;
+}
+
 void EntryQueries::begin(const RefinedScene& scene) {
   scene_ = scene;
   queries_ = scene.queries;
@@ -81,11 +130,19 @@ void EntryQueries::forget_verdict(const Entry& entry) const {
   if (entry.kind == Entry::Kind::apply) scene_.importances[entry.object].set_hidden(entry.split, false);
 }
 
+void EntryQueries::set_covered(Entry& entry, bool covered) const {
+  const RefineOptions* const options = scene_.options;
+  const auto factor = static_cast<float>(tuning_of(*options).covered_factor);
+  entry.covered = covered;
+  entry.priority *= covered ? factor : 1.0F / factor;
+}
+
 void EntryQueries::take_out_hidden(std::vector<Entry>& entries, Questions& questions) const {
-  auto& [asked, places, verdicts, scratch, milliseconds] = questions;
+  auto& [asked, places, newly_covered, verdicts, scratch, milliseconds] = questions;
   const Clock::time_point start = Clock::now();
   asked.clear();
   places.clear();
+  newly_covered.clear();
   milliseconds = 0.0;
   if (occluder_ == 0) return;
   for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -104,6 +161,13 @@ void EntryQueries::take_out_hidden(std::vector<Entry>& entries, Questions& quest
       if (!verdict.visible) continue;
       entry.asked_occluder = occluder_;
       entry.star_shows = verdict.vertex_shows;
+      if (verdict.covered != entry.covered) {
+        set_covered(entry, verdict.covered);
+        if (entry.covered) {
+          newly_covered.push_back(entry);
+          continue;
+        }
+      }
     }
     entries[kept++] = entry;
   }
@@ -138,7 +202,8 @@ std::size_t EntryQueries::ask_again_about_hidden(EntryQueues& queues, const Grow
   take_out_hidden(doubtful_, about_doubtful_);
   note_answers(about_doubtful_);
   for (const Entry& entry : doubtful_) queues.push(entry);
-  return doubtful_.size();
+  for (const Entry& entry : about_doubtful_.newly_covered) queues.push(entry);
+  return doubtful_.size() + about_doubtful_.newly_covered.size();
 }
 
 void NodeVisits::begin(const RefinedScene& scene, const EntryQueries& entries, std::span<const Entry> visits) {
@@ -246,6 +311,7 @@ void FromScratch::begin() {
   queues_.clear();
   entries_.begin(scene_);
   victims_.clear();
+  waiting_.clear();
   forced_.clear();
   taken_back_.clear();
   rejections_in_a_row_ = 0;
@@ -341,13 +407,24 @@ bool FromScratch::apply_above_visits() {
   return any;
 }
 
+// Returns whether nothing is left to do about a split: it has been applied, or hidden, when it was forced or before it
+// was queued again.
+bool FromScratch::is_done(const Entry& entry) const {
+  Importance& importance = scene_.importances[entry.object];
+  return (*scene_.cuts)[entry.object].applied(entry.split) ||
+         (importance.knows_share(entry.split) && importance.visible_share(entry.split) == 0.0F);
+}
+
 // Takes the next splits. Returns false when there is none whose turn it is.
 bool FromScratch::take_applies() {
   const std::size_t max_at_once = std::max<std::size_t>(128, scene_.queries->flight());
   Queue& applies = queues_.applies;
   applies_.clear();
-  while (applies_.size() < max_at_once && !applies.empty() && matters(applies.top()) && is_above_visits(applies.top()))
-    applies_.push_back(applies.pop());
+  while (applies_.size() < max_at_once && !applies.empty() && matters(applies.top()) &&
+         is_above_visits(applies.top())) {
+    const Entry entry = applies.pop();
+    if (!is_done(entry)) applies_.push_back(entry);
+  }
   return !applies_.empty();
 }
 
@@ -355,10 +432,13 @@ bool FromScratch::take_applies() {
 void FromScratch::apply_taken() {
   entries_.take_out_hidden(applies_, about_applies_);
   entries_.note_answers(about_applies_);
+  for (const Entry& entry : about_applies_.newly_covered) queues_.push(entry);
   look_at_needed();
   for (turn_ = 0; turn_ < applies_.size(); ++turn_) {
     if (used_up() || step_due()) break;
+    woken_.clear();
     apply(applies_[turn_]);
+    if (!used_up()) take_woken();
   }
   while (applies_.size() > turn_) {
     queues_.push(applies_.back());
@@ -368,6 +448,16 @@ void FromScratch::apply_taken() {
     finish_visits();  // they have been asked about with the old occluder
     draw_occluder();
   }
+}
+
+// Lets woken entries that are seen have the next turns, so that none is left over when the budget ends.
+void FromScratch::take_woken() {
+  std::erase_if(woken_, [&](const Entry& entry) { return is_done(entry); });
+  if (woken_.empty()) return;
+  entries_.take_out_hidden(woken_, about_woken_);
+  entries_.note_answers(about_woken_);
+  for (const Entry& entry : about_woken_.newly_covered) queues_.push(entry);
+  applies_.insert(applies_.begin() + static_cast<std::ptrdiff_t>(turn_) + 1, woken_.begin(), woken_.end());
 }
 
 // Puts an entry in its place among the taken ones, or into the queue behind them. Returns false when it is next anyway.
@@ -511,8 +601,15 @@ void FromScratch::apply(Entry entry) {
   left_.include(entry.error);
 }
 
-float FromScratch::forced_weight(const Entry& entry, const Cut::Closure& closure) const {
-  return closure.splits.size() == 1 ? 1.0F : scene_.importances[entry.object].forced_weight(closure.splits);
+float FromScratch::forced_weight(const Entry& entry, const Cut::Closure& closure) {
+  if (closure.splits.size() == 1) return 1.0F;
+  const float weight = scene_.importances[entry.object].forced_weight(closure.splits);
+  if (weight == 1.0F) return weight;
+  needed_.clear();
+  for (const SplitId needed : star_of(scene_.hierarchy(entry.object), entry.split).dependencies())
+    if (!(*scene_.cuts)[entry.object].applied(needed)) needed_.push_back(needed);
+  waiting_.wait(entry, needed_);
+  return weight;
 }
 
 // Takes back the least important leaf if it matters less, in the final check only. The leaf may come back.
@@ -538,6 +635,7 @@ void FromScratch::apply_closure(const Entry& entry, const Cut::Closure& closure)
   const bool by_star = tuning_of(*scene_.options).culling == Culling::star;
   for (const SplitId s : closure.splits.subspan(1))
     forced_.push_back({entry.object, s, by_star && scene_.importances[entry.object].visible_share(s) == 0.0F});
+  waiting_.wake(entry.object, closure.splits, woken_);
   scene_.cuts->apply_closure(entry.object);
 }
 

@@ -49,6 +49,39 @@ class Victims {
   std::vector<Importance::Value> values_;
 };
 
+// Holds splits that have been weighed down by what they would force. When something that one needs directly is applied
+// by another, it is given back, to be weighed again: otherwise it would stay weighed down by what is no longer forced.
+// Reuses its memory.
+class WaitingSplits {
+ public:
+  void clear() noexcept;
+  // Lets an unweighed entry wait for splits of its object.
+  void wait(const Entry& entry, std::span<const SplitId> needed);
+  // Appends the entries that wait for one of these splits and lets them wait no longer. O(splits + entries).
+  void wake(std::uint32_t object, std::span<const SplitId> applied, std::vector<Entry>& woken);
+
+ private:
+  static constexpr std::uint32_t none = no_id;
+  // A slot of a table with open addressing, at most half full.
+  struct Slot {
+    SplitId needed = no_id;  // no_id: the slot is free
+    std::uint32_t object = 0;
+    std::uint32_t first = none;  // first link of those who wait for this split
+  };
+  struct Link {
+    std::uint32_t entry;
+    std::uint32_t next;
+  };
+  [[nodiscard]] Slot& slot_of(std::uint32_t object, SplitId needed);
+  void grow();
+
+  std::vector<Entry> entries_;
+  std::vector<bool> waits_;  // per entry
+  std::vector<Link> links_;
+  std::vector<Slot> slots_;
+  std::size_t used_slots_ = 0;
+};
+
 // Holds what refinement from scratch may do next: nodes to visit and splits to apply.
 struct EntryQueues {
   Queue visits, applies;
@@ -85,12 +118,14 @@ class EntryQueries {
   struct Questions {
     std::vector<Entry> asked;
     std::vector<std::size_t> places;  // their indices among all entries
+    std::vector<Entry> newly_covered;
     std::vector<OcclusionQueries::Verdict> verdicts;
     OcclusionQueries::Scratch scratch;
     double milliseconds = 0.0;  // time that asking took
   };
-  // Asks about entries that must be asked about and removes the hidden ones; the others keep their order.
-  // note_answers() must follow. May run on any thread if the backend allows that; only the caller's own time counts.
+  // Asks about entries that must be asked about and removes the hidden ones; the others keep their order. Those whose
+  // vertices turn out to be covered go to `newly_covered` with lower priorities. note_answers() must follow. May run on
+  // any thread if the backend allows that; only the caller's own time counts.
   void take_out_hidden(std::vector<Entry>& entries, Questions& questions) const;
   void note_answers(const Questions& questions, bool own_time = true);
 
@@ -107,6 +142,7 @@ class EntryQueries {
   }
   void hide(const Entry& entry);
   void forget_verdict(const Entry& entry) const;
+  void set_covered(Entry& entry, bool covered) const;
 
   RefinedScene scene_;
   OcclusionQueries* queries_ = nullptr;
@@ -175,8 +211,8 @@ class NodeVisits {
 // that memory and vectors serve many at once, and splits are applied, worst first, after all worse nodes have been
 // visited. Nodes are asked about when their turn comes, not when they are found, so that nothing is spent on those
 // whose turn never comes. With Culling::star, separate questions decide about descending and applying, and a split
-// waits as long as what it forces is not worth it. What is hidden at the end is asked about once more. Reuses its
-// memory.
+// waits as long as what it forces is not worth it, or until others have needed that as well. What is hidden at the end
+// is asked about once more. Reuses its memory.
 class FromScratch {
  public:
   // Leaves the result in the scene's cuts and adds to `stats`. All arguments must outlive the call.
@@ -188,7 +224,7 @@ class FromScratch {
   [[nodiscard]] std::span<const Entry> hidden() const noexcept { return entries_.hidden(); }
 
   // apply_split() calls these.
-  [[nodiscard]] float forced_weight(const Entry& entry, const Cut::Closure& closure) const;
+  [[nodiscard]] float forced_weight(const Entry& entry, const Cut::Closure& closure);
   bool step_back(const Entry& entry);
   bool make_room(float turn_priority, float priority);
   void apply_closure(const Entry& entry, const Cut::Closure& closure);
@@ -208,7 +244,9 @@ class FromScratch {
     return taken_visits_.empty() || Queue::band_of(entry) > visits_band_;
   }
   [[nodiscard]] bool take_applies();
+  [[nodiscard]] bool is_done(const Entry& entry) const;
   void apply_taken();
+  void take_woken();
   void look_at_needed();
   void draw_occluder();
   void readmit();
@@ -251,8 +289,10 @@ class FromScratch {
   // The next splits, in order, and the index of the one whose turn it is.
   std::vector<Entry> applies_;
   std::size_t turn_ = 0;
-  EntryQueries::Questions about_applies_;
-  std::vector<SplitId> needed_;        // scratch
+  EntryQueries::Questions about_applies_, about_woken_;
+  WaitingSplits waiting_;
+  std::vector<Entry> woken_;  // scratch, like the next one
+  std::vector<SplitId> needed_;
   std::vector<float> root_scales_px_;  // scratch for one object
 
   struct Forced {

@@ -163,6 +163,7 @@ class Front {
     forced = 2048,         // applied only because another split depends on it
     forced_unseen = 4096,  // forced, and changed nothing that was seen then
     needs_known = 8192,    // its unseen_needs have been found
+    covered = 16384,       // its vertex is covered, but not its star: see OcclusionQueries::Verdict
   };
 
   // `attributes`: whether their errors count too.
@@ -200,7 +201,7 @@ class Front {
   [[nodiscard]] const BoundedValues& priorities() const noexcept { return priorities_; }
   // Returns the share of the star that was seen when the priority was found; valid as long as the priority.
   [[nodiscard]] float& visible_share(Index k) noexcept { return visible_shares_[k]; }
-  // Returns the factor for what the split forces or keeps, as weighed last; 1 before that.
+  // Returns the factor for what the split forces or keeps, as weighed last, and for a covered vertex; 1 before that.
   [[nodiscard]] float& forced_weight(Index k) noexcept { return forced_weights_[k]; }
   [[nodiscard]] std::span<const float> forced_weights() const noexcept { return forced_weights_; }
 

@@ -2,6 +2,7 @@
 
 #include "refine/frames.h"
 #include "refine/refined_scene.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 
@@ -159,20 +160,23 @@ void FrontQueries::ask_all() {
   evaluation_.scene().queries->ask(asked_, verdicts_);
   std::size_t shown = 0;
   for (std::size_t i = 0; i < asked_.size(); ++i)
-    if (note(asked_[i], verdicts_[i].visible)) asked_[shown++] = asked_[i];
+    if (note(asked_[i], verdicts_[i])) asked_[shown++] = asked_[i];
   asked_.resize(shown);
 }
 
-// Unmarks hidden nodes that no question could show again.
+// Unmarks hidden and covered nodes that no question could show again.
 void FrontQueries::forget_what_is_not_asked(std::uint32_t object) {
   const OcclusionQueries& queries = *evaluation_.scene().queries;
   Front& front = evaluation_.front(object);
   found_.clear();
   select(evaluation_.errors(object), {.all = Front::hidden}, found_);
+  select(evaluation_.errors(object), {.all = Front::covered, .none = Front::hidden}, found_);
   for (const Front::Index k : found_) {
     const bool asks = queries.asks_in_region(object, front.node(k).split);
     if (!asks) front.set(k, Front::subtree_hidden, false);
-    if (!asks || !queries.asks_stars()) front.set(k, Front::star_hidden, false);
+    if (asks && queries.asks_stars()) continue;
+    front.set(k, Front::star_hidden, false);
+    set_covered(front, k, false);
   }
 }
 
@@ -225,14 +229,24 @@ bool FrontQueries::is_shown_since(std::uint32_t draw, const FrontNode& node, Ent
   return static_cast<std::uint16_t>(draw_ - shown) <= std::min(draw_ - draw, max_age);
 }
 
+// Keeps the node's weight in step, until it is weighed again.
+void FrontQueries::set_covered(Front& front, Front::Index k, bool covered) const {
+  if (covered == front.is(k, Front::covered)) return;
+  const RefineOptions* const options = evaluation_.scene().options;
+  const auto factor = static_cast<float>(tuning_of(*options).covered_factor);
+  front.set(k, Front::covered, covered);
+  front.forced_weight(k) *= covered ? factor : 1.0F / factor;
+}
+
 // Records an answer. Returns true when the node was hidden and is no longer.
-bool FrontQueries::note(const Entry& entry, bool visible) {
+bool FrontQueries::note(const Entry& entry, const OcclusionQueries::Verdict& verdict) {
   Front& front = evaluation_.front(entry.object);
   const Front::Index k = front.find(entry.split);
   const bool subtree = entry.kind == Entry::Kind::visit;
   const Front::Flag hidden = subtree ? Front::subtree_hidden : Front::star_hidden;
-  const bool shown_again = visible && front.is(k, hidden);
+  const bool visible = verdict.visible, shown_again = visible && front.is(k, hidden);
   front.set(k, hidden, !visible);
+  if (!subtree) set_covered(front, k, verdict.covered);
   FrontNode& node = front.node(k);
   if (visible) (subtree ? node.subtree_shown : node.star_shown) = static_cast<std::uint16_t>(draw_);
   return shown_again;
@@ -247,6 +261,9 @@ void FrontQueries::forget_hidden() {
       front.set(k, Front::subtree_hidden, false);
       front.set(k, Front::star_hidden, false);
     }
+    found_.clear();
+    select(evaluation_.errors(i), {.all = Front::covered}, found_);
+    for (const Front::Index k : found_) set_covered(front, k, false);
   }
 }
 
@@ -258,7 +275,7 @@ bool FrontQueries::is_hidden(const Entry& entry) {
   if (is_shown_since(draw_, front.node(front.find(entry.split)), entry.kind)) return false;
   OcclusionQueries::Verdict verdict;
   queries.ask({&entry, 1}, {&verdict, 1});
-  note(entry, verdict.visible);
+  note(entry, verdict);
   return !verdict.visible;
 }
 

@@ -10,10 +10,14 @@ namespace {
 
 constexpr float max_steps = 254.0F;
 
-// Returns base^exponent; most exponents are 1, a half or 0.
+// Returns base^exponent. Exponents that are 1, a half or three eighths give the same bits with every C library.
 float power(float base, double exponent) {
   if (exponent == 1.0) return base;
   if (exponent == 0.5) return std::sqrt(base);
+  if (exponent == 0.375) {
+    const float fourth_root = std::sqrt(std::sqrt(base));
+    return fourth_root * std::sqrt(fourth_root);
+  }
   if (exponent == 0.0) return 1.0F;
   return std::pow(base, static_cast<float>(exponent));
 }

@@ -1,6 +1,7 @@
 #include "refine/occlusion_queries.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <string>
 
 #include "base/platform.h"
@@ -83,13 +84,17 @@ void OcclusionQueries::ask(std::span<const Entry> entries, std::span<Verdict> ve
   count(entries, verdicts, milliseconds_since(start));
 }
 
-// Asks in pieces that stay in the cache: tests vertices, which decide most questions, then asks about bounds.
+// Asks in pieces that stay in the cache: tests vertices, which decide most questions, then asks about bounds, then
+// looks again at the vertices of stars that are visible all the same.
 void OcclusionQueries::find(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const {
   const std::size_t max_at_once = std::max(min_at_once, flight_);
+  const RefineOptions* const options = scene_.options;
+  const bool looks_for_covered = visibility_->tests_points() && tuning_of(*options).covered_factor < 1.0;
   for (std::size_t first = 0; first < entries.size(); first += max_at_once) {
     const std::size_t size = std::min(max_at_once, entries.size() - first);
     find_vertices_that_show(entries.subspan(first, size), verdicts.subspan(first, size), scratch);
     ask_about_bounds(entries.subspan(first, size), verdicts.subspan(first, size), scratch);
+    if (looks_for_covered) find_covered(entries.subspan(first, size), verdicts.subspan(first, size), scratch);
   }
 }
 
@@ -152,6 +157,45 @@ void OcclusionQueries::ask_about_bounds(std::span<const Entry> entries, std::spa
   answers.resize(asked.size());
   visibility_->answer(queries, answers);
   for (std::size_t k = 0; k < asked.size(); ++k) verdicts[asked[k]].visible = answers[k] != 0;
+}
+
+namespace {
+
+// Moves the first corner towards the eye until it is as near as the nearest of the corners: what hides this point is
+// before all of them, so it is not their own surface.
+glm::vec3 drawn_near(std::span<const glm::vec3> corners, const ObjectView& view) {
+  const glm::vec3 into_image(view.planes()[4]), &vertex = corners.front(), to_eye = view.eye() - vertex;
+  float farther = 0.0F;  // than the nearest corner
+  for (const glm::vec3& corner : corners) farther = std::max(farther, glm::dot(into_image, vertex - corner));
+  const float eye_nearer = -glm::dot(into_image, to_eye);
+  return farther < eye_nearer ? vertex + farther / eye_nearer * to_eye : vertex;
+}
+
+}  // namespace
+
+// Follows ask_about_bounds() with the same arguments.
+void OcclusionQueries::find_covered(std::span<const Entry> entries, std::span<Verdict> verdicts,
+                                    Scratch& scratch) const {
+  auto& [vertices, vertex_shows, asked, first_points, points, queries, answers] = scratch;
+  vertices.clear();
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < asked.size(); ++k) {
+    const Entry& entry = entries[asked[k]];
+    if (entry.kind != Entry::Kind::apply || !verdicts[asked[k]].visible) continue;
+    const std::span<const glm::vec3> corners =
+        std::span(points).subspan(first_points[k], first_points[k + 1] - first_points[k]);
+    vertices.push_back(drawn_near(corners, scene_.views[entry.object]));
+    asked[kept++] = asked[k];
+  }
+  asked.resize(kept);
+  vertex_shows.resize(kept);
+  for (std::size_t first = 0, end = 0; first < kept; first = end) {
+    const std::uint32_t object = entries[asked[first]].object;
+    while (end < kept && entries[asked[end]].object == object) ++end;
+    visibility_->find_visible_points(object, std::span(vertices).subspan(first, end - first),
+                                     std::span(vertex_shows).subspan(first, end - first));
+  }
+  for (std::size_t k = 0; k < kept; ++k) verdicts[asked[k]].covered = vertex_shows[k] == 0;
 }
 
 // Returns a query about the bounds of the entry's subtree.

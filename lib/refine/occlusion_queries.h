@@ -117,6 +117,9 @@ class OcclusionQueries {
   struct Verdict {
     bool visible = true;
     bool vertex_shows = false;  // whether the vertex that the split brings back shows: then its own star is visible too
+    // Whether something else is before this vertex, or it is beside the image, though the star is visible. About stars
+    // only, and only where the backend tests points.
+    bool covered = false;
   };
   // Holds scratch memory of find().
   struct Scratch {
@@ -153,6 +156,7 @@ class OcclusionQueries {
  private:
   void find_vertices_that_show(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
   void ask_about_bounds(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
+  void find_covered(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
   [[nodiscard]] VisibilityQuery query_about(const Entry& entry) const;
 
   Visibility* visibility_ = nullptr;

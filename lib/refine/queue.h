@@ -28,6 +28,7 @@ struct Entry {
   Kind kind = Kind::visit;
   bool weighed = false;     // whether priority includes what the split forces
   bool star_shows = false;  // whether that occluder does not hide the split's own star either
+  bool covered = false;     // whether priority includes Tuning::covered_factor
 };
 
 // Holds entries, worst first, to within a sixty-fourth of a factor of two; of entries that are as bad, the last one in

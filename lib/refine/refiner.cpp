@@ -26,7 +26,7 @@ void require_parent(const Hierarchy& hierarchy, SplitId s, SplitId parent) {
 
 namespace {
 
-constexpr double largest_exponent = 8.0;  // larger ones take weights out of the range of floats
+constexpr double largest_exponent = 8.0, least_factor = 1e-3;  // others take weights out of the range of floats
 
 void check_ascending(const std::vector<std::uint32_t>& splits) {
   for (std::size_t i = 1; i < splits.size(); ++i)
@@ -46,6 +46,7 @@ void check_options(const RefineOptions& options) {
   check.in_range("tuning.visible_exponent", tuning.visible_exponent, 0.0, largest_exponent);
   check.in_range("tuning.grazing_exponent", tuning.grazing_exponent, 0.0, largest_exponent);
   check.in_range("tuning.forced_exponent", tuning.forced_exponent, 0.0, largest_exponent);
+  check.in_range("tuning.covered_factor", tuning.covered_factor, least_factor, 1.0);
   check_ascending(tuning.occluder_splits);
   check.at_least("tuning.level_step", tuning.level_step, 1.0);
   check.below("tuning.hysteresis", tuning.hysteresis, 0.0, 1.0);

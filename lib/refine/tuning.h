@@ -26,13 +26,14 @@ enum class Proxy { sphere, box, cylinder };
 
 // With Culling::subtree the priority of a split is its error in pixels; with Culling::star that
 // error * (visible share of its faces)^visible_exponent * (cosine under which the eye sees them)^-grazing_exponent
-// * (1 + unseen splits that it forces)^-forced_exponent.
+// * (1 + unseen splits that it forces)^-forced_exponent * (covered_factor, if its vertex is covered but not its star).
 struct Tuning {
   // Changing one of these makes Refiner::update() refine from scratch.
   Culling culling = Culling::star;
-  double visible_exponent = 1.0;  // in [0, 8]
-  double grazing_exponent = 0.5;  // in [0, 8]
-  double forced_exponent = 0.5;   // in [0, 8]
+  double visible_exponent = 1.0;    // in [0, 8]
+  double grazing_exponent = 0.375;  // in [0, 8]
+  double forced_exponent = 0.5;     // in [0, 8]
+  double covered_factor = 0.25;     // in [0.001, 1]
   Proxy proxy = Proxy::box;
   // From scratch, the occluder is drawn when so many splits are applied; ascending. Empty: at a third of the budget in
   // triangles and at sixths of that, if the mesh has moved by a pixel since the one before.

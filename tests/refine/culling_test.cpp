@@ -1,10 +1,13 @@
 // Each test fails if its culling test is inverted, left out or too eager.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 
+#include "refine/importance.h"
 #include "refine/refine_support.h"
 #include "refine/tuning.h"
 #include "splits/star.h"
@@ -105,6 +108,44 @@ TEST_F(StarCulling, UnseenSplitsAreLeftEvenWhenTheBudgetHasRoom) {
   EXPECT_LT(result.stats.triangles, options.budget * 3 / 4);  // the far side of a sphere is about half of it
   for (const SplitId s : test::unforced_splits(hierarchy_, result.objects[0]))
     EXPECT_TRUE(star_is_seen(hierarchy_, s, view_));
+}
+
+// A split is put off for what it would force. When others have needed all of that, only its own worth counts again. A
+// node is visited by its error in pixels, which its faces raise by at most 5^(3/8) < 2.
+TEST_F(StarCulling, NothingIsPutOffForWhatOthersHaveForced) {
+  RefineOptions options;
+  options.budget = 2000;
+  const Refinement& result = refiner_.refine(view_, options, none_);
+  const std::vector<bool> applied = test::applied_bits(hierarchy_, result.objects[0]);
+  const ObjectView object_view(view_, glm::dmat4(1.0));
+  Importance importance(objects_[0]);
+  importance.begin(object_view, options);
+  std::size_t free_splits = 0;
+  for (SplitId s = 0; s < hierarchy_.split_count(); ++s) {
+    const auto is_applied = [&](SplitId needed) { return applied[needed]; };
+    if (applied[s] || !std::ranges::all_of(star_of(hierarchy_, s).dependencies(), is_applied)) continue;
+    EXPECT_LE(importance.of(s).priority, 2.0 * result.stats.level_px) << s;
+    ++free_splits;
+  }
+  EXPECT_GT(free_splits, 100U);
+}
+
+// Vertices in dents are behind the surface that they dent. Nothing else is before them, so none counts as covered.
+TEST(CoveredVertices, DentsAreNotCoveredByTheirOwnSurface) {
+  TriangleMesh mesh = test::grid(60, 60);
+  for (glm::vec3& p : mesh.positions)
+    p = {p.x - 0.5F, p.y - 0.5F, 0.004F * std::sin(40.0F * p.x) * std::cos(33.0F * p.y)};
+  const Hierarchy hierarchy = build_hierarchy(mesh);
+  std::array<RefineObject, 1> objects{{{&hierarchy, glm::dmat4(1.0)}}};
+  Refiner refiner(objects);
+  const auto software = make_software_occlusion();
+  RefineOptions options;
+  options.budget = 2000;
+  const View view(test::front_camera(1.5));
+  const std::uint64_t hash = refiner.refine(view, options, *software).hash();
+  ASSERT_GT(refiner.refine(view, options, *software).stats.queries, 0U);
+  tune(options).covered_factor = 1.0;
+  EXPECT_EQ(refiner.refine(view, options, *software).hash(), hash);
 }
 
 TEST_F(StarCulling, WeightMovesTrianglesOffTheSilhouette) {

@@ -127,7 +127,8 @@ TEST_P(Frames, EveryFrameIsAValidMeshWithinTheBudget) {
 }
 
 // The queues take and give by the same priorities as refinement from scratch, so that errors are the same but for the
-// hysteresis, for what the order of equally important splits decides, and for what both have applied that nobody sees.
+// hysteresis, for what the order of equally important splits decides, and for what both have applied that nobody sees
+// or that yields because its vertex is covered. The largest error is that of a single split.
 TEST_P(Frames, ErrorsAreNearlyThoseFromScratch) {
   const std::vector<RefineObject> objects = two_planets();
   Refiner frames(objects), scratch(objects);
@@ -140,10 +141,10 @@ TEST_P(Frames, ErrorsAreNearlyThoseFromScratch) {
     const Refinement& fresh = scratch.refine(view, options(3000), *backend_);
     const double kept_px = oracle::cut_error(objects, kept, view, *backend_).quadric_px;
     const double fresh_px = oracle::cut_error(objects, fresh, view, *backend_).quadric_px;
-    EXPECT_LE(kept_px, 1.4 * fresh_px) << i;
+    EXPECT_LE(kept_px, 1.5 * fresh_px) << i;
     sum += kept_px / fresh_px;
   }
-  EXPECT_LE(sum / count, 1.05);
+  EXPECT_LE(sum / count, 1.1);
 }
 
 // Along a path as many of the triangles are visible as from scratch: what nobody sees any more goes, also where what is
@@ -316,26 +317,20 @@ TEST(FramesTolerance, DetailGoesAsTheEyeGoes) {
   EXPECT_LE(far.stats.max_error_px, 2.0);
 }
 
-// Leaves pay for what they keep from frame to frame only, so the level sinks after refinement from scratch. What comes
-// up on the way is looked at step by step: were it all in the second frame, that would visit several times as many
-// nodes as the frames after it.
-TEST(FramesSettling, TheSecondFrameVisitsNoMoreThanTheOnesAfterIt) {
+// Refinement from scratch weighs splits again as their needs are applied, so that the budget ends at about the level of
+// later frames, and these have little left to do.
+TEST(FramesSettling, LaterFramesFindLittleToDo) {
   const std::vector<RefineObject> objects = {{&planet(), glm::dmat4(1.0), false}};
   Refiner refiner(objects);
   NoOcclusion none;
   RefineOptions options;
   options.budget = 1000;
-  const double first_level = refiner.update(View(orbiting(0.0)), options, none).stats.level_px;
-  const std::size_t second = refiner.update(View(orbiting(0.5)), options, none).stats.visits;
-  std::size_t max_later = 0;
-  double level = 0.0;
-  for (int i = 2; i <= 12; ++i) {
+  const RefineStats first = refiner.update(View(orbiting(0.0)), options, none).stats;
+  for (int i = 1; i <= 12; ++i) {
     const RefineStats& stats = refiner.update(View(orbiting(0.5 * i)), options, none).stats;
-    max_later = std::max(max_later, stats.visits);
-    level = stats.level_px;
+    EXPECT_NEAR(stats.level_px, first.level_px, 0.1 * first.level_px) << i;
+    EXPECT_LE(stats.visits, first.visits / 5) << i;
   }
-  EXPECT_LT(level, first_level);
-  EXPECT_LE(second, 2 * max_later);
 }
 
 // A coarser tolerance frees what the budget had been spent on: what remains is about what refinement from scratch

@@ -48,8 +48,15 @@ class ScriptedVisibility final : public Visibility {
     return visible ? 1 : 0;
   }
 
-  std::vector<std::size_t> occluders;  // triangles of each occluder drawn
-  std::vector<Sphere> spheres;         // asked about
+  [[nodiscard]] bool tests_points() const noexcept override { return object_shows != nullptr; }
+  void find_visible_points(std::uint32_t object, std::span<const glm::vec3> points,
+                           std::span<std::uint8_t> visible) override {
+    for (std::size_t i = 0; i < points.size(); ++i) visible[i] = object_shows && object_shows(object) ? 1 : 0;
+  }
+
+  std::function<bool(std::uint32_t object)> object_shows;  // whether its points are before the occluder
+  std::vector<std::size_t> occluders;                      // triangles of each occluder drawn
+  std::vector<Sphere> spheres;                             // asked about
   std::size_t views = 0, asked = 0, max_open = 0, stars = 0, cylinders = 0, boxes = 0;
 
  private:
@@ -173,6 +180,49 @@ TEST_F(OcclusionControl, SplitsThatForceUnseenOnesWait) {
   EXPECT_LT(result.stats.forced_unseen_splits, careless * 3 / 4);
   EXPECT_GE(result.stats.triangles + 1, options_.budget);
   for (const RefinedObject& object : result.objects) test::expect_valid_cut(hierarchy_, object);
+}
+
+// The stars of both objects are visible, and the vertices of one are covered: its splits count a fourth, so at the same
+// worth it has about a fourth of the splits, for errors fall in proportion to the area of faces.
+TEST_F(OcclusionControl, CoveredVerticesYield) {
+  ScriptedVisibility covered([](const VisibilityQuery&, std::size_t) { return true; });
+  covered.object_shows = [](std::uint32_t object) { return object != 1; };
+  const Refinement& result = refine(covered);
+  EXPECT_EQ(result.stats.queries_hidden, 0U);
+  const std::size_t free = result.objects[0].splits.size(), yielding = result.objects[1].splits.size();
+  EXPECT_GT(6 * yielding, free);
+  EXPECT_LT(2 * yielding, free);
+  EXPECT_GE(result.stats.triangles + 1, options_.budget);
+  tune(options_).covered_factor = 1.0;
+  const std::uint64_t hash = refine(covered).hash();
+  NoOcclusion none;
+  EXPECT_EQ(refine(none).hash(), hash);
+}
+
+// From frame to frame splits yield as from scratch, whether they are applied or not, and come back when they show.
+TEST_F(OcclusionControl, CoveredVerticesYieldFromFrameToFrame) {
+  ScriptedVisibility visibility([](const VisibilityQuery&, std::size_t) { return true; });
+  visibility.object_shows = [](std::uint32_t) { return true; };
+  refiner_ = std::make_unique<Refiner>(objects_);
+  Camera camera = test::front_camera();
+  const auto splits_of_second = [&] {
+    std::size_t splits = 0;
+    for (int frame = 0; frame < 60; ++frame) {
+      camera.eye.x += 0.001;
+      splits = refiner_->update(View(camera), options_, visibility).objects[1].splits.size();
+    }
+    return static_cast<double>(splits);
+  };
+  const double shown = splits_of_second();
+  visibility.object_shows = [](std::uint32_t object) { return object != 1; };
+  const double covered = splits_of_second();
+  Refiner scratch(objects_);
+  const auto from_scratch =
+      static_cast<double>(scratch.refine(View(camera), options_, visibility).objects[1].splits.size());
+  EXPECT_LT(covered, 0.6 * shown);
+  EXPECT_NEAR(covered, from_scratch, 0.15 * from_scratch);
+  visibility.object_shows = [](std::uint32_t) { return true; };
+  EXPECT_NEAR(splits_of_second(), shown, 0.1 * shown);
 }
 
 TEST_F(OcclusionControl, NoOccluderNoQuestions) {

@@ -122,7 +122,9 @@ TEST_P(ScenePaths, FramesAreValidAndNoWorseThanFromScratch) {
       for (const bool occlusion : {false, true}) {
         SCOPED_TRACE(name + (culling == Culling::star ? " star" : " subtree") + (occlusion ? " software" : " none"));
         const Ratios ratios = follow(path, objects, {culling, occlusion});
-        EXPECT_LE(ratios.middle, 1.2);  // the order of equally important splits decides a little in each
+        // The order of equally important splits decides a little in each. Leaves pay for what they keep, which they do
+        // not from scratch, so that an error may stay that is larger by the root of 1 + 2 splits: see UnseenNeeds.
+        EXPECT_LE(ratios.middle, culling == Culling::star ? 1.73 : 1.2);
         // No frame shows a piece that the mesh of the frame before hid, and that is still coarse.
         if (GetParam() == std::string("city") && culling == Culling::star && occlusion) {
           EXPECT_LE(ratios.largest, 2.0);

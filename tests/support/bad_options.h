@@ -29,12 +29,15 @@ struct BadOptions {
     add("tuning.visible_exponent", [value](RefineOptions& o) { tune(o).visible_exponent = value; });
     add("tuning.grazing_exponent", [value](RefineOptions& o) { tune(o).grazing_exponent = value; });
     add("tuning.forced_exponent", [value](RefineOptions& o) { tune(o).forced_exponent = value; });
+    add("tuning.covered_factor", [value](RefineOptions& o) { tune(o).covered_factor = value; });
     add("tuning.hysteresis", [value](RefineOptions& o) { tune(o).hysteresis = value; });
     add("time_limit_ms", [value](RefineOptions& o) { o.time_limit_ms = value; });
   }
   add("tuning.visible_exponent", [](RefineOptions& o) { tune(o).visible_exponent = 8.001; });
   add("tuning.grazing_exponent", [](RefineOptions& o) { tune(o).grazing_exponent = 8.001; });
   add("tuning.forced_exponent", [](RefineOptions& o) { tune(o).forced_exponent = 8.001; });
+  add("tuning.covered_factor", [](RefineOptions& o) { tune(o).covered_factor = 0.0; });
+  add("tuning.covered_factor", [](RefineOptions& o) { tune(o).covered_factor = 1.001; });
   add("tuning.hysteresis", [](RefineOptions& o) { tune(o).hysteresis = 1.0; });
   add("tuning.hysteresis", [](RefineOptions& o) { tune(o).hysteresis = 2.0; });
   add("threads", [](RefineOptions& o) { o.threads = -1; });

@@ -25,6 +25,7 @@ class RecordedOcclusion final : public Visibility {
   void answer(std::span<const VisibilityQuery> queries, std::span<std::uint32_t> answers) override {
     inner_.answer(queries, answers);
   }
+  [[nodiscard]] bool tests_points() const noexcept override { return inner_.tests_points(); }
   void find_visible_points(std::uint32_t object, std::span<const glm::vec3> points,
                            std::span<std::uint8_t> visible) override {
     inner_.find_visible_points(object, points, visible);

@@ -74,6 +74,8 @@ class Visibility {
   // by default all are 0. `visible` has the size of `points`.
   virtual void find_visible_points(std::uint32_t object, std::span<const glm::vec3> points,
                                    std::span<std::uint8_t> visible);
+  // True when find_visible_points() tests points, so that a 0 means something. False by default.
+  [[nodiscard]] virtual bool tests_points() const noexcept { return false; }
 };
 
 // The backend `none`: everything inside the frustum and facing the eye is visible.
