@@ -150,9 +150,10 @@ void Cut::take_back(SplitId s) {
 void Cut::set(std::span<const SplitId> splits) try {
   sort_applied();
   auto kept = splits.rbegin();
-  for (auto it = applied_.rbegin(); it != applied_.rend(); ++it) {
-    while (kept != splits.rend() && *kept > *it) ++kept;
-    if ((kept == splits.rend() || *kept != *it) && is_leaf(*it)) take_back(*it);
+  for (std::size_t i = applied_.size(); i-- > 0;) {
+    const SplitId s = applied_[i];
+    while (kept != splits.rend() && *kept > s) ++kept;
+    if ((kept == splits.rend() || *kept != s) && is_leaf(s)) take_back(s);
   }
   drop_taken_back();
   for (const SplitId s : splits) {
