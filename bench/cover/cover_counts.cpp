@@ -48,10 +48,9 @@ void CoverCounts::print() const {
                box_limits[b], box_limits[b + 1]);
     for (std::size_t s = 0; s < screen_bins; ++s)
       if (const Cell& cell = cells_[s][b]; cell.objects > 0.0)
-        fmt::print("| {:.2f} | {:.0f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} |\n",
-                   (static_cast<double>(s) + 0.5) / screen_bins, cell.objects, cell.hidden / cell.objects,
-                   cell.predicted[0] / cell.objects, cell.predicted[1] / cell.objects,
-                   cell.predicted[2] / cell.objects);
+        fmt::print("| {:.2f} | {:.0f} | {:.3f} | {:.3f} | {:.3f} |\n", (static_cast<double>(s) + 0.5) / screen_bins,
+                   cell.objects, cell.hidden / cell.objects, cell.predicted[0] / cell.objects,
+                   cell.predicted[1] / cell.objects);
   }
   fmt::print(
       "\nRoot mean square difference from the count, cells of {:.0f} objects or more, each by the root of its "

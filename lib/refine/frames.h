@@ -111,8 +111,7 @@ class UnseenNeeds {
   void begin_frame(std::uint32_t frame) noexcept { frame_ = frame; }
 
   // Returns the factor by which the priority of an applied split sinks, also because its vertex is covered, in (0, 1].
-  // O(direct dependencies), because
-  // their charges are kept for some frames.
+  // O(direct dependencies), because their charges are kept for some frames.
   [[nodiscard]] float weight_of_applied(std::uint32_t object, SplitId s);
   // Returns the factor of closure.splits[0] once the closure is applied. O(closure).
   [[nodiscard]] float weight_of_closure(std::uint32_t object, const Cut::Closure& closure);

@@ -26,28 +26,23 @@ class Lights {
   }
 
   // Returns the light on a flat two-sided surface through `position`.
-  [[nodiscard]] glm::vec3 on(const glm::dvec3& position, glm::dvec3 normal) const {
-    const glm::dvec3 to_eye =
-        view_.is_orthographic() ? -view_.direction() : glm::normalize(view_.camera().eye - position);
-    if (glm::dot(normal, to_eye) < 0.0) normal = -normal;
-    return lit(normal, to_eye);
+  [[nodiscard]] glm::vec3 on(const glm::dvec3& position, const glm::dvec3& normal) const {
+    return on_corner(position, normal, to_eye(position));
   }
 
   // Returns the light at a corner of a triangle whose side that faces the eye has the normal `facing`.
   [[nodiscard]] glm::vec3 on_corner(const glm::dvec3& position, glm::dvec3 normal, const glm::dvec3& facing) const {
-    const glm::dvec3 to_eye =
-        view_.is_orthographic() ? -view_.direction() : glm::normalize(view_.camera().eye - position);
     if (glm::dot(normal, facing) < 0.0) normal = -normal;
-    return lit(normal, to_eye);
-  }
-
- private:
-  [[nodiscard]] glm::vec3 lit(const glm::dvec3& normal, const glm::dvec3& to_eye) const {
-    const auto head = static_cast<float>(std::max(glm::dot(normal, to_eye), 0.0));
+    const auto head = static_cast<float>(std::max(glm::dot(normal, to_eye(position)), 0.0));
     const auto key = static_cast<float>(std::max(glm::dot(normal, key_), 0.0));
     const auto sky = static_cast<float>(0.5 + 0.5 * glm::dot(normal, up_));
     return 0.12F * head + 0.98F * key * glm::vec3(1.0F, 0.94F, 0.84F) +
            glm::mix(glm::vec3(0.045F, 0.036F, 0.034F), glm::vec3(0.12F, 0.15F, 0.20F), sky);
+  }
+
+ private:
+  [[nodiscard]] glm::dvec3 to_eye(const glm::dvec3& position) const {
+    return view_.is_orthographic() ? -view_.direction() : glm::normalize(view_.camera().eye - position);
   }
 
   const View& view_;
