@@ -1,0 +1,409 @@
+#include "splits/refit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <utility>
+
+#include "base/threads.h"
+
+namespace occlod {
+namespace {
+
+// Numbers the vertices that reduced faces use, and lists the faces at each.
+class ReducedMesh {
+ public:
+  explicit ReducedMesh(const Reduction& reduction);
+
+  [[nodiscard]] std::size_t size() const { return vertices_.size(); }
+  [[nodiscard]] VertexId vertex(std::uint32_t i) const { return vertices_[i]; }
+  // Returns the number of an input vertex, no_id when no reduced face uses it.
+  [[nodiscard]] std::uint32_t number(VertexId v) const { return number_[v]; }
+  [[nodiscard]] const std::vector<Triangle>& faces() const { return faces_; }  // of numbers
+  [[nodiscard]] std::span<const std::uint32_t> faces_at(std::uint32_t i) const {
+    return std::span(faces_at_).subspan(first_[i], first_[i + 1] - first_[i]);
+  }
+
+ private:
+  std::vector<std::uint32_t> number_;
+  std::vector<VertexId> vertices_;
+  std::vector<Triangle> faces_;
+  std::vector<std::uint32_t> first_, faces_at_;
+};
+
+ReducedMesh::ReducedMesh(const Reduction& reduction) : number_(reduction.positions.size(), no_id) {
+  faces_.reserve(reduction.reduced.size());
+  for (Triangle face : reduction.reduced) {
+    for (int k = 0; k < 3; ++k) {
+      std::uint32_t& number = number_[face[k]];
+      if (number == no_id) {
+        number = static_cast<std::uint32_t>(vertices_.size());
+        vertices_.push_back(face[k]);
+      }
+      face[k] = number;
+    }
+    faces_.push_back(face);
+  }
+  first_.assign(size() + 1, 0);
+  for (const Triangle& face : faces_)
+    for (int k = 0; k < 3; ++k) ++first_[face[k] + 1];
+  for (std::size_t i = 0; i < size(); ++i) first_[i + 1] += first_[i];
+  faces_at_.resize(3 * faces_.size());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for (std::uint32_t f = 0; f < faces_.size(); ++f)
+    for (int k = 0; k < 3; ++k) faces_at_[next[faces_[f][k]]++] = f;
+}
+
+using Positions = std::vector<glm::dvec3>;
+
+glm::dvec3 twice_area(const Positions& at, const Triangle& face) {
+  return glm::cross(at[face.y] - at[face.x], at[face.z] - at[face.x]);
+}
+
+// Marks the vertices on edges that do not lie between exactly two faces.
+std::vector<std::uint8_t> on_borders(const ReducedMesh& mesh) {
+  std::vector<std::uint8_t> result(mesh.size(), 0);
+  for (std::uint32_t i = 0; i < mesh.size(); ++i) {
+    // Each face at i gives one edge that leaves i and one that comes back; within a surface they pair up.
+    const auto faces = mesh.faces_at(i);
+    const auto count = [&](std::uint32_t other) {
+      return std::count_if(faces.begin(), faces.end(), [&](std::uint32_t f) {
+        const Triangle& t = mesh.faces()[f];
+        return t.x == other || t.y == other || t.z == other;
+      });
+    };
+    const bool inside = std::all_of(faces.begin(), faces.end(), [&](std::uint32_t f) {
+      const Triangle& t = mesh.faces()[f];
+      return (t.x == i || count(t.x) == 2) && (t.y == i || count(t.y) == 2) && (t.z == i || count(t.z) == 2);
+    });
+    result[i] = inside ? 0 : 1;
+  }
+  return result;
+}
+
+// The symmetric matrix and the right side of a vertex's quadric, relative to the vertex.
+struct Quadric {
+  double xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0;
+  glm::dvec3 right{0.0};
+
+  // Adds the plane of a face: `normal` is its unit normal times the root of its weight, at `offset` along it.
+  void add(const glm::dvec3& normal, double offset) {
+    xx += normal.x * normal.x;
+    xy += normal.x * normal.y;
+    xz += normal.x * normal.z;
+    yy += normal.y * normal.y;
+    yz += normal.y * normal.z;
+    zz += normal.z * normal.z;
+    right += offset * normal;
+  }
+
+  // Returns the minimum, held near the vertex where the planes leave it open. 0 without planes.
+  [[nodiscard]] glm::dvec3 minimum() const {
+    constexpr double hold = 1e-3;  // of the mean of the three weights
+    const double extra = hold * (xx + yy + zz) / 3.0;
+    const double a = xx + extra, b = yy + extra, c = zz + extra;
+    const glm::dvec3 row_x(b * c - yz * yz, xz * yz - xy * c, xy * yz - xz * b);
+    const double determinant = a * row_x.x + xy * row_x.y + xz * row_x.z;
+    if (!(determinant > 0.0)) return glm::dvec3(0.0);
+    const glm::dvec3 row_y(row_x.y, a * c - xz * xz, xy * xz - a * yz), row_z(row_x.z, row_y.z, a * b - xy * xy);
+    return glm::dvec3(glm::dot(row_x, right), glm::dot(row_y, right), glm::dot(row_z, right)) / determinant;
+  }
+};
+
+// Barycentric coordinates of the point of a triangle that is nearest to one, and the squared distance.
+struct Nearest {
+  glm::dvec3 weights{0.0};
+  double distance2 = std::numeric_limits<double>::infinity();
+};
+
+// As in Ericson, Real-Time Collision Detection, 5.1.5.
+Nearest nearest_point(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  const glm::dvec3 ab = b - a, ac = c - a, ap = p - a;
+  const auto found = [&](double u, double v, double w) {
+    const glm::dvec3 off = ap - v * ab - w * ac;
+    return Nearest{{u, v, w}, glm::dot(off, off)};
+  };
+  const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
+  if (d1 <= 0.0 && d2 <= 0.0) return found(1.0, 0.0, 0.0);
+  const glm::dvec3 bp = p - b;
+  const double d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
+  if (d3 >= 0.0 && d4 <= d3) return found(0.0, 1.0, 0.0);
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 - d3 > 0.0) {
+    const double t = d1 / (d1 - d3);
+    return found(1.0 - t, t, 0.0);
+  }
+  const glm::dvec3 cp = p - c;
+  const double d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+  if (d6 >= 0.0 && d5 <= d6) return found(0.0, 0.0, 1.0);
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 - d6 > 0.0) {
+    const double t = d2 / (d2 - d6);
+    return found(1.0 - t, 0.0, t);
+  }
+  const double va = d3 * d6 - d5 * d4, rise = d4 - d3, fall = d5 - d6;
+  if (va <= 0.0 && rise >= 0.0 && fall >= 0.0 && rise + fall > 0.0) {
+    const double t = rise / (rise + fall);
+    return found(0.0, 1.0 - t, t);
+  }
+  const double sum = va + vb + vc;
+  if (!(sum > 0.0)) return found(1.0, 0.0, 0.0);
+  return found(va / sum, vb / sum, vc / sum);
+}
+
+class Refit {
+ public:
+  Refit(const Reduction& reduction, std::span<const std::uint8_t> held, bool along_normals, unsigned threads)
+      : reduction_(reduction),
+        mesh_(reduction),
+        along_normals_(along_normals),
+        threads_(threads),
+        held_(on_borders(mesh_)) {
+    for (std::uint32_t i = 0; i < mesh_.size(); ++i) {
+      if (!held.empty() && held[mesh_.vertex(i)] != 0) held_[i] = 1;
+      at_.emplace_back(reduction.positions[mesh_.vertex(i)]);
+    }
+    start_ = at_;
+  }
+
+  std::vector<glm::vec3> run() {
+    move_to(quadric_minima());
+    move_to(least_squares());
+    std::vector<glm::vec3> result(reduction_.positions.begin(), reduction_.positions.end());
+    for (std::uint32_t i = 0; i < mesh_.size(); ++i)
+      if (held_[i] == 0) result[mesh_.vertex(i)] = glm::vec3(at_[i]);
+    return result;
+  }
+
+ private:
+  // Each is as sparse as its face: the sums of squared and mixed weights, and of weighted points.
+  struct FaceSums {
+    std::array<double, 6> squares{};  // xx, xy, xz, yy, yz, zz
+    std::array<glm::dvec3, 3> points{};
+  };
+
+  [[nodiscard]] Positions quadric_minima() const;
+  [[nodiscard]] Positions least_squares() const;
+  [[nodiscard]] std::vector<FaceSums> face_sums() const;
+  [[nodiscard]] std::pair<std::uint32_t, Nearest> nearest_face(const glm::dvec3& p, std::uint32_t from) const;
+  void move_to(Positions wanted);
+  void keep_along_normals(Positions& wanted) const;
+  void limit_steps(Positions& wanted) const;
+  bool take_back_turned(Positions& wanted) const;
+
+  const Reduction& reduction_;
+  ReducedMesh mesh_;
+  bool along_normals_;
+  unsigned threads_;
+  std::vector<std::uint8_t> held_;
+  Positions start_;  // before all moves
+  Positions at_;
+};
+
+Positions Refit::quadric_minima() const {
+  std::vector<Quadric> quadrics(mesh_.size());
+  for (const Triangle& face : reduction_.faces) {
+    const glm::dvec3 a(reduction_.positions[face.x]), b(reduction_.positions[face.y]), c(reduction_.positions[face.z]);
+    const glm::dvec3 normal = glm::cross(b - a, c - a);
+    const double length = glm::length(normal);
+    if (!(length > 0.0)) continue;
+    const glm::dvec3 weighted = normal / std::sqrt(2.0 * length);
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t i = mesh_.number(reduction_.target[face[k]]);
+      if (i != no_id) quadrics[i].add(weighted, glm::dot(weighted, a - at_[i]));
+    }
+  }
+  Positions result = at_;
+  for (std::uint32_t i = 0; i < mesh_.size(); ++i) result[i] += quadrics[i].minimum();
+  return result;
+}
+
+// Looks among the faces at one vertex, and then among those at the corner nearest to what it has found.
+std::pair<std::uint32_t, Nearest> Refit::nearest_face(const glm::dvec3& p, std::uint32_t from) const {
+  std::uint32_t best_face = no_id;
+  Nearest best;
+  const auto look_around = [&](std::uint32_t vertex) {
+    for (const std::uint32_t f : mesh_.faces_at(vertex)) {
+      const Triangle& t = mesh_.faces()[f];
+      const Nearest found = nearest_point(p, at_[t.x], at_[t.y], at_[t.z]);
+      if (!(found.distance2 < best.distance2)) continue;
+      best = found;
+      best_face = f;
+    }
+  };
+  look_around(from);
+  if (best_face == no_id) return {no_id, best};
+  const Triangle& t = mesh_.faces()[best_face];
+  const glm::dvec3& w = best.weights;
+  const std::uint32_t nearest = w.x >= w.y && w.x >= w.z ? t.x : w.y >= w.z ? t.y : t.z;
+  if (nearest != from) look_around(nearest);
+  return {best_face, best};
+}
+
+// Assigns the middle of each input face, with its area as its weight, to the nearest reduced face.
+std::vector<Refit::FaceSums> Refit::face_sums() const {
+  struct Sample {
+    std::uint32_t face = no_id;
+    float weight = 0.0F;
+    glm::vec3 corners;
+    glm::vec3 point;
+  };
+  std::vector<Sample> samples(reduction_.faces.size());
+  for_each_range(samples.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Triangle& face = reduction_.faces[i];
+      const glm::dvec3 a(reduction_.positions[face.x]), b(reduction_.positions[face.y]),
+          c(reduction_.positions[face.z]);
+      std::uint32_t from = no_id;
+      for (int k = 0; k < 3 && from == no_id; ++k) from = mesh_.number(reduction_.target[face[k]]);
+      if (from == no_id) continue;
+      const glm::dvec3 middle = (a + b + c) / 3.0;
+      const auto [nearest, place] = nearest_face(middle, from);
+      samples[i] = {nearest, static_cast<float>(0.5 * glm::length(glm::cross(b - a, c - a))), place.weights, middle};
+    }
+  });
+  std::vector<FaceSums> sums(mesh_.faces().size());
+  for (const Sample& sample : samples) {
+    if (sample.face == no_id) continue;
+    FaceSums& sum = sums[sample.face];
+    const glm::dvec3 w(sample.corners), weighted = static_cast<double>(sample.weight) * w, p(sample.point);
+    const std::array<double, 6> squares = {weighted.x * w.x, weighted.x * w.y, weighted.x * w.z,
+                                           weighted.y * w.y, weighted.y * w.z, weighted.z * w.z};
+    for (std::size_t k = 0; k < 6; ++k) sum.squares[k] += squares[k];
+    const Triangle& t = mesh_.faces()[sample.face];
+    const glm::dvec3 off = p - (w.x * at_[t.x] + w.y * at_[t.y] + w.z * at_[t.z]);
+    for (int k = 0; k < 3; ++k) sum.points[static_cast<std::size_t>(k)] += weighted[k] * off;
+  }
+  return sums;
+}
+
+// Solves for the steps of all vertices by a few rounds of conjugate gradients with the diagonal as preconditioner.
+Positions Refit::least_squares() const {
+  constexpr int rounds = 4;
+  constexpr double hold = 1e-3;  // of a vertex's own weight, and of the mean where it has little
+  const std::vector<FaceSums> sums = face_sums();
+  const std::vector<Triangle>& faces = mesh_.faces();
+  const std::size_t n = mesh_.size();
+  std::vector<double> diagonal(n, 0.0);
+  Positions rest(n, glm::dvec3(0.0));  // right side minus matrix times step
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    diagonal[faces[f].x] += sums[f].squares[0];
+    diagonal[faces[f].y] += sums[f].squares[3];
+    diagonal[faces[f].z] += sums[f].squares[5];
+    for (int k = 0; k < 3; ++k) rest[faces[f][k]] += sums[f].points[static_cast<std::size_t>(k)];
+  }
+  double mean = 0.0;
+  for (const double d : diagonal) mean += d / static_cast<double>(n);
+  std::vector<double> held_by(n);
+  for (std::size_t i = 0; i < n; ++i) held_by[i] = hold * std::max(diagonal[i], 1e-3 * mean);
+  const auto is_free = [&](std::size_t i) { return held_[i] == 0 && diagonal[i] + held_by[i] > 0.0; };
+  for (std::size_t i = 0; i < n; ++i)
+    if (!is_free(i)) rest[i] = glm::dvec3(0.0);
+
+  const auto times_matrix = [&](const Positions& x) {
+    Positions y(n);
+    for (std::size_t i = 0; i < n; ++i) y[i] = held_by[i] * x[i];
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      const Triangle& t = faces[f];
+      const std::array<double, 6>& m = sums[f].squares;
+      y[t.x] += m[0] * x[t.x] + m[1] * x[t.y] + m[2] * x[t.z];
+      y[t.y] += m[1] * x[t.x] + m[3] * x[t.y] + m[4] * x[t.z];
+      y[t.z] += m[2] * x[t.x] + m[4] * x[t.y] + m[5] * x[t.z];
+    }
+    for (std::size_t i = 0; i < n; ++i)
+      if (!is_free(i)) y[i] = glm::dvec3(0.0);
+    return y;
+  };
+  const auto scaled_rest = [&] {
+    Positions z(n, glm::dvec3(0.0));
+    for (std::size_t i = 0; i < n; ++i)
+      if (is_free(i)) z[i] = rest[i] / (diagonal[i] + held_by[i]);
+    return z;
+  };
+  // One product for each coordinate, because each is a system of its own.
+  const auto products = [&](const Positions& a, const Positions& b) {
+    glm::dvec3 sum(0.0);
+    for (std::size_t i = 0; i < n; ++i) sum += a[i] * b[i];
+    return sum;
+  };
+  const auto ratio = [](const glm::dvec3& a, const glm::dvec3& b) {
+    return glm::dvec3(b.x > 0.0 ? a.x / b.x : 0.0, b.y > 0.0 ? a.y / b.y : 0.0, b.z > 0.0 ? a.z / b.z : 0.0);
+  };
+  Positions step(n, glm::dvec3(0.0)), z = scaled_rest(), direction = z;
+  glm::dvec3 rz = products(rest, z);
+  for (int round = 0; round < rounds; ++round) {
+    const Positions image = times_matrix(direction);
+    const glm::dvec3 alpha = ratio(rz, products(direction, image));
+    for (std::size_t i = 0; i < n; ++i) {
+      step[i] += alpha * direction[i];
+      rest[i] -= alpha * image[i];
+    }
+    z = scaled_rest();
+    const glm::dvec3 next = products(rest, z), beta = ratio(next, std::exchange(rz, next));
+    for (std::size_t i = 0; i < n; ++i) direction[i] = z[i] + beta * direction[i];
+  }
+  for (std::size_t i = 0; i < n; ++i) step[i] += at_[i];
+  return step;
+}
+
+void Refit::move_to(Positions wanted) {
+  for (std::uint32_t i = 0; i < mesh_.size(); ++i) {
+    const bool is_finite = std::isfinite(wanted[i].x) && std::isfinite(wanted[i].y) && std::isfinite(wanted[i].z);
+    if (held_[i] != 0 || !is_finite) wanted[i] = at_[i];
+  }
+  if (along_normals_) keep_along_normals(wanted);
+  limit_steps(wanted);
+  while (take_back_turned(wanted)) continue;  // ends: each time at least one vertex more is back
+  at_ = std::move(wanted);
+}
+
+void Refit::keep_along_normals(Positions& wanted) const {
+  for (std::uint32_t i = 0; i < mesh_.size(); ++i) {
+    glm::dvec3 normal(0.0);
+    for (const std::uint32_t f : mesh_.faces_at(i)) normal += twice_area(at_, mesh_.faces()[f]);
+    const double length2 = glm::dot(normal, normal);
+    wanted[i] = at_[i] + (length2 > 0.0 ? glm::dot(wanted[i] - at_[i], normal) / length2 : 0.0) * normal;
+  }
+}
+
+// No vertex moves by more than half of its longest edge.
+void Refit::limit_steps(Positions& wanted) const {
+  for (std::uint32_t i = 0; i < mesh_.size(); ++i) {
+    const glm::dvec3 step = wanted[i] - at_[i];
+    const double length2 = glm::dot(step, step);
+    if (length2 == 0.0) continue;
+    double longest2 = 0.0;
+    for (const std::uint32_t f : mesh_.faces_at(i))
+      for (int k = 0; k < 3; ++k) {
+        const glm::dvec3 edge = at_[mesh_.faces()[f][k]] - at_[i];
+        longest2 = std::max(longest2, glm::dot(edge, edge));
+      }
+    if (length2 > 0.25 * longest2) wanted[i] = at_[i] + std::sqrt(0.25 * longest2 / length2) * step;
+  }
+}
+
+// Faces must not turn by more than some 78 degrees from where they were before all moves.
+bool Refit::take_back_turned(Positions& wanted) const {
+  constexpr double least_cosine = 0.2;
+  bool any = false;
+  for (const Triangle& face : mesh_.faces()) {
+    if (wanted[face.x] == at_[face.x] && wanted[face.y] == at_[face.y] && wanted[face.z] == at_[face.z]) continue;
+    const glm::dvec3 before = twice_area(start_, face), after = twice_area(wanted, face);
+    if (glm::dot(before, after) > least_cosine * glm::length(before) * glm::length(after)) continue;
+    any = true;
+    for (int k = 0; k < 3; ++k) wanted[face[k]] = at_[face[k]];
+  }
+  return any;
+}
+
+}  // namespace
+
+std::vector<glm::vec3> refit(const Reduction& reduction, std::span<const std::uint8_t> held, bool along_normals,
+                             unsigned threads) {
+  return Refit(reduction, held, along_normals, threads).run();
+}
+
+}  // namespace occlod
