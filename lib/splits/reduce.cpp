@@ -1,9 +1,6 @@
 // Implements occlod/simplify.h.
-#include <algorithm>
 #include <cstdint>
-#include <numeric>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "base/memory.h"
@@ -20,16 +17,6 @@
 namespace occlod {
 namespace {
 
-// Returns the vertex into which each vertex was merged. A vertex is merged later than all that are merged into it, so
-// backwards every target is final.
-std::vector<VertexId> targets_of(const CollapseSequence& sequence, std::size_t vertex_count) {
-  std::vector<VertexId> target(vertex_count);
-  std::iota(target.begin(), target.end(), 0U);
-  for (std::size_t i = sequence.collapses.size(); i-- > 0;)
-    target[sequence.collapses[i]->v] = target[sequence.collapses[i]->u];
-  return target;
-}
-
 // Marks the vertices whose corners have several wedges: seams of the texture stay where they are.
 std::vector<std::uint8_t> on_seams(std::span<const Triangle> faces, std::span<const Triangle> wedges,
                                    std::size_t vertex_count) {
@@ -44,16 +31,14 @@ std::vector<std::uint8_t> on_seams(std::span<const Triangle> faces, std::span<co
   return result;
 }
 
-TriangleMesh reduced_mesh(const TriangleMesh& mesh, const CollapseSequence& sequence, const SimplifyOptions& options) {
-  std::vector<Triangle> faces;
-  for (const LevelFace& face : sequence.base) faces.push_back(face.corners);
-  const std::vector<Triangle>& wedges = sequence.has_attributes ? sequence.base_corners : faces;
+TriangleMesh reduced_mesh(const TriangleMesh& mesh, const ReducedFaces& reduced, const SimplifyOptions& options) {
+  const std::vector<Triangle>& faces = reduced.faces;
+  const std::vector<Triangle>& wedges = reduced.corners.empty() ? faces : reduced.corners;
   std::vector<glm::vec3> positions;
   if (options.refit) {
-    const std::vector<VertexId> target = targets_of(sequence, mesh.vertex_count());
     const std::vector<std::uint8_t> held = on_seams(faces, wedges, mesh.vertex_count());
-    positions = refit({std::span(mesh.positions).first(mesh.vertex_count()), mesh.triangles, target, faces}, held,
-                      !mesh.texture_coordinates.empty(), thread_count(options.threads));
+    positions = refit({std::span(mesh.positions).first(mesh.vertex_count()), mesh.triangles, reduced.target, faces},
+                      held, !mesh.texture_coordinates.empty(), thread_count(options.threads));
   }
   TriangleMesh result =
       compact_mesh({options.refit ? positions : mesh.positions, mesh.normals, mesh.colors, mesh.texture_coordinates},
@@ -86,7 +71,7 @@ TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles, const
   build.progress = options.progress;
   const LargeMemoryReuse reuse;
   const TriangleMesh ordered = in_spatial_order(mesh, thread_count(options.threads));
-  TriangleMesh result = reduced_mesh(ordered, simplify(ordered, build), options);
+  TriangleMesh result = reduced_mesh(ordered, reduce(ordered, build), options);
   if (options.progress) (void)options.progress(1.0);
   return result;
 }

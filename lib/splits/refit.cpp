@@ -154,6 +154,24 @@ Nearest nearest_point(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3
   return found(va / sum, vb / sum, vc / sum);
 }
 
+// The plane of a face: where a point lies over the face, in barycentric coordinates, and how far from it.
+struct FacePlane {
+  glm::dvec3 origin, normal{0.0}, along_y{0.0}, along_z{0.0};
+
+  FacePlane(const Positions& at, const Triangle& face) : origin(at[face.x]) {
+    const glm::dvec3 ab = at[face.y] - origin, ac = at[face.z] - origin, twice_area = glm::cross(ab, ac);
+    const double length2 = glm::dot(twice_area, twice_area);
+    if (!(length2 > 0.0)) return;
+    along_y = glm::cross(ac, twice_area) / length2;
+    along_z = glm::cross(twice_area, ab) / length2;
+    normal = twice_area / std::sqrt(length2);
+  }
+};
+
+std::uint32_t heaviest_corner(const Triangle& face, const glm::dvec3& w) {
+  return w.x >= w.y && w.x >= w.z ? face.x : w.y >= w.z ? face.y : face.z;
+}
+
 class Refit {
  public:
   Refit(const Reduction& reduction, std::span<const std::uint8_t> held, bool along_normals, unsigned threads)
@@ -188,7 +206,13 @@ class Refit {
   [[nodiscard]] Positions quadric_minima() const;
   [[nodiscard]] Positions least_squares() const;
   [[nodiscard]] std::vector<FaceSums> face_sums() const;
-  [[nodiscard]] std::pair<std::uint32_t, Nearest> nearest_face(const glm::dvec3& p, std::uint32_t from) const;
+  struct Place {
+    std::uint32_t face = no_id;
+    glm::dvec3 weights{0.0};
+  };
+  [[nodiscard]] Place place_over(const glm::dvec3& p, const glm::dvec3& normal, std::uint32_t from,
+                                 std::span<const FacePlane> planes) const;
+  [[nodiscard]] Place nearest_place(const glm::dvec3& p, std::uint32_t from) const;
   void move_to(Positions wanted);
   void keep_along_normals(Positions& wanted) const;
   void limit_steps(Positions& wanted) const;
@@ -221,26 +245,43 @@ Positions Refit::quadric_minima() const {
   return result;
 }
 
-// Looks among the faces at one vertex, and then among those at the corner nearest to what it has found.
-std::pair<std::uint32_t, Nearest> Refit::nearest_face(const glm::dvec3& p, std::uint32_t from) const {
-  std::uint32_t best_face = no_id;
-  Nearest best;
+// Returns the place in the nearest of those faces at a vertex over which a point of a surface with this normal lies, if
+// there is such a face.
+Refit::Place Refit::place_over(const glm::dvec3& p, const glm::dvec3& normal, std::uint32_t from,
+                               std::span<const FacePlane> planes) const {
+  Place best;
+  double distance = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t f : mesh_.faces_at(from)) {
+    const FacePlane& plane = planes[f];
+    const glm::dvec3 off = p - plane.origin;
+    const double y = glm::dot(plane.along_y, off), z = glm::dot(plane.along_z, off);
+    if (!(y >= 0.0 && z >= 0.0 && y + z <= 1.0) || !(glm::dot(plane.normal, normal) > 0.0)) continue;
+    const double d = std::abs(glm::dot(plane.normal, off));
+    if (!(d < distance)) continue;
+    distance = d;
+    best = {f, {1.0 - y - z, y, z}};
+  }
+  return best;
+}
+
+// Returns the nearest place among the faces at a vertex and among those at the corner that is nearest to it.
+Refit::Place Refit::nearest_place(const glm::dvec3& p, std::uint32_t from) const {
+  Place best;
+  double distance2 = std::numeric_limits<double>::infinity();
   const auto look_around = [&](std::uint32_t vertex) {
     for (const std::uint32_t f : mesh_.faces_at(vertex)) {
       const Triangle& t = mesh_.faces()[f];
       const Nearest found = nearest_point(p, at_[t.x], at_[t.y], at_[t.z]);
-      if (!(found.distance2 < best.distance2)) continue;
-      best = found;
-      best_face = f;
+      if (!(found.distance2 < distance2)) continue;
+      distance2 = found.distance2;
+      best = {f, found.weights};
     }
   };
   look_around(from);
-  if (best_face == no_id) return {no_id, best};
-  const Triangle& t = mesh_.faces()[best_face];
-  const glm::dvec3& w = best.weights;
-  const std::uint32_t nearest = w.x >= w.y && w.x >= w.z ? t.x : w.y >= w.z ? t.y : t.z;
+  if (best.face == no_id) return best;
+  const std::uint32_t nearest = heaviest_corner(mesh_.faces()[best.face], best.weights);
   if (nearest != from) look_around(nearest);
-  return {best_face, best};
+  return best;
 }
 
 // Assigns the middle of each input face, with its area as its weight, to the nearest reduced face.
@@ -251,6 +292,9 @@ std::vector<Refit::FaceSums> Refit::face_sums() const {
     glm::vec3 corners;
     glm::vec3 point;
   };
+  std::vector<FacePlane> planes;
+  planes.reserve(mesh_.faces().size());
+  for (const Triangle& face : mesh_.faces()) planes.emplace_back(at_, face);
   std::vector<Sample> samples(reduction_.faces.size());
   for_each_range(samples.size(), threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -261,8 +305,10 @@ std::vector<Refit::FaceSums> Refit::face_sums() const {
       for (int k = 0; k < 3 && from == no_id; ++k) from = mesh_.number(reduction_.target[face[k]]);
       if (from == no_id) continue;
       const glm::dvec3 middle = (a + b + c) / 3.0;
-      const auto [nearest, place] = nearest_face(middle, from);
-      samples[i] = {nearest, static_cast<float>(0.5 * glm::length(glm::cross(b - a, c - a))), place.weights, middle};
+      const glm::dvec3 normal = glm::cross(b - a, c - a);
+      Place place = place_over(middle, normal, from, planes);
+      if (place.face == no_id) place = nearest_place(middle, from);
+      samples[i] = {place.face, static_cast<float>(0.5 * glm::length(normal)), place.weights, middle};
     }
   });
   std::vector<FaceSums> sums(mesh_.faces().size());
