@@ -288,7 +288,7 @@ Refit::Place Refit::nearest_place(const glm::dvec3& p, std::uint32_t from) const
 std::vector<Refit::FaceSums> Refit::face_sums() const {
   struct Sample {
     std::uint32_t face = no_id;
-    float weight = 0.0F;
+    double weight = 0.0;
     glm::vec3 corners;
     glm::vec3 point;
   };
@@ -308,14 +308,14 @@ std::vector<Refit::FaceSums> Refit::face_sums() const {
       const glm::dvec3 normal = glm::cross(b - a, c - a);
       Place place = place_over(middle, normal, from, planes);
       if (place.face == no_id) place = nearest_place(middle, from);
-      samples[i] = {place.face, static_cast<float>(0.5 * glm::length(normal)), place.weights, middle};
+      samples[i] = {place.face, 0.5 * glm::length(normal), place.weights, middle};
     }
   });
   std::vector<FaceSums> sums(mesh_.faces().size());
   for (const Sample& sample : samples) {
     if (sample.face == no_id) continue;
     FaceSums& sum = sums[sample.face];
-    const glm::dvec3 w(sample.corners), weighted = static_cast<double>(sample.weight) * w, p(sample.point);
+    const glm::dvec3 w(sample.corners), weighted = sample.weight * w, p(sample.point);
     const std::array<double, 6> squares = {weighted.x * w.x, weighted.x * w.y, weighted.x * w.z,
                                            weighted.y * w.y, weighted.y * w.z, weighted.z * w.z};
     for (std::size_t k = 0; k < 6; ++k) sum.squares[k] += squares[k];
