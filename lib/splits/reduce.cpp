@@ -1,6 +1,11 @@
 // Implements occlod/simplify.h.
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <optional>
+#include <numeric>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/memory.h"
@@ -13,6 +18,7 @@
 #include "splits/refit.h"
 #include "splits/simplify.h"
 #include "splits/spatial_order.h"
+#include "splits/surface_distance.h"
 
 namespace occlod {
 namespace {
@@ -31,47 +37,212 @@ std::vector<std::uint8_t> on_seams(std::span<const Triangle> faces, std::span<co
   return result;
 }
 
-TriangleMesh reduced_mesh(const TriangleMesh& mesh, const ReducedFaces& reduced, const SimplifyOptions& options) {
-  const std::vector<Triangle>& faces = reduced.faces;
-  const std::vector<Triangle>& wedges = reduced.corners.empty() ? faces : reduced.corners;
-  std::vector<glm::vec3> positions;
-  if (options.refit) {
-    const std::vector<std::uint8_t> held = on_seams(faces, wedges, mesh.vertex_count());
-    positions = refit({std::span(mesh.positions).first(mesh.vertex_count()), mesh.triangles, reduced.target, faces},
-                      held, !mesh.texture_coordinates.empty(), thread_count(options.threads));
-  }
-  TriangleMesh result =
-      compact_mesh({options.refit ? positions : mesh.positions, mesh.normals, mesh.colors, mesh.texture_coordinates},
-                   faces, wedges, mesh.vertex_count());
-  if (const std::vector<MaterialId> materials = wedge_materials(mesh); !materials.empty())
-    for (const Triangle& t : wedges) result.triangle_materials.push_back(materials[t.x]);
-  result.materials = mesh.materials;
-  result.textures = mesh.textures;
-  result.texture_origin = mesh.texture_origin;
-  result.origin = mesh.origin;
-  result.up = mesh.up;
+// Reduces one mesh, to one number of triangles after another.
+class Reducer {
+ public:
+  Reducer(const TriangleMesh& mesh, const SimplifyOptions& options)
+      : options_(options),
+        threads_(thread_count(options.threads)),
+        mesh_(in_spatial_order(mesh, threads_)),
+        materials_(wedge_materials(mesh_)) {}
+
+  [[nodiscard]] const TriangleMesh& ordered_mesh() const { return mesh_; }
+  [[nodiscard]] unsigned threads() const { return threads_; }
+  // Vertices that `locked` marks, if it is not empty, stay as they are.
+  [[nodiscard]] TriangleMesh reduced(std::size_t max_triangles, std::span<const std::uint8_t> locked,
+                                     const std::function<bool(double)>& progress) const;
+
+ private:
+  [[nodiscard]] std::vector<glm::vec3> refitted(const ReducedFaces& reduced, std::span<const Triangle> wedges,
+                                                std::span<const std::uint8_t> locked) const;
+
+  const SimplifyOptions& options_;
+  unsigned threads_;
+  TriangleMesh mesh_;
+  std::vector<MaterialId> materials_;
+};
+
+std::vector<glm::vec3> Reducer::refitted(const ReducedFaces& reduced, std::span<const Triangle> wedges,
+                                         std::span<const std::uint8_t> locked) const {
+  const Reduction reduction{std::span(mesh_.positions).first(mesh_.vertex_count()), mesh_.triangles, reduced.target,
+                            reduced.faces};
+  std::vector<std::uint8_t> held = on_seams(reduced.faces, wedges, mesh_.vertex_count());
+  for (std::size_t v = 0; v < locked.size(); ++v) held[v] |= locked[v];
+  return refit(reduction, held, !mesh_.texture_coordinates.empty(), threads_);
+}
+
+TriangleMesh Reducer::reduced(std::size_t max_triangles, std::span<const std::uint8_t> locked,
+                              const std::function<bool(double)>& progress) const {
+  BuildOptions build;
+  build.base_triangles = max_triangles;
+  build.boundary_weight = options_.boundary_weight;
+  build.attribute_weight = options_.attribute_weight;
+  build.threads = options_.threads;
+  build.progress = progress;
+  const ReducedFaces reduced = reduce(mesh_, build, locked);
+  const std::vector<Triangle>& wedges = reduced.corners.empty() ? reduced.faces : reduced.corners;
+  std::vector<glm::vec3> moved;
+  if (options_.refit) moved = refitted(reduced, wedges, locked);
+  const WedgeArrays arrays{options_.refit ? moved : mesh_.positions, mesh_.normals, mesh_.colors,
+                           mesh_.texture_coordinates};
+  TriangleMesh result = compact_mesh(arrays, reduced.faces, wedges, mesh_.vertex_count());
+  if (!materials_.empty())
+    for (const Triangle& t : wedges) result.triangle_materials.push_back(materials_[t.x]);
+  result.materials = mesh_.materials;
+  result.textures = mesh_.textures;
+  result.texture_origin = mesh_.texture_origin;
+  result.origin = mesh_.origin;
+  result.up = mesh_.up;
   return result;
 }
 
-}  // namespace
-
-TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles, const SimplifyOptions& options) {
+void check_options(const TriangleMesh& mesh, const SimplifyOptions& options) {
   const OptionChecker check("simplify");
   check.in_range("boundary_weight", options.boundary_weight, 0.0, 1e6);
   check.in_range("attribute_weight", options.attribute_weight, 0.0, 1e6);
   check.in_range("threads", options.threads, 0, 1024);
-  if (max_triangles == 0) throw Error({"simplify", "max_triangles", "is 0", "ask for at least one triangle"});
   check_input(mesh);
-  if (mesh.triangle_count() <= max_triangles) return mesh;
-  BuildOptions build;
-  build.base_triangles = max_triangles;
-  build.boundary_weight = options.boundary_weight;
-  build.attribute_weight = options.attribute_weight;
-  build.threads = options.threads;
-  build.progress = options.progress;
+}
+
+// Returns the faces in the order of their smallest corners: where vertices are in spatial order, faces are too.
+std::vector<Triangle> in_order_of_corners(std::span<const Triangle> faces, std::size_t vertex_count) {
+  const auto key = [](const Triangle& t) { return std::min({t.x, t.y, t.z}); };
+  std::vector<std::size_t> next(vertex_count + 1, 0);
+  for (const Triangle& face : faces) ++next[key(face) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<Triangle> result(faces.size());
+  for (const Triangle& face : faces) result[next[key(face)]++] = face;
+  return result;
+}
+
+// Searches the smallest mesh within a distance of the input by bisection. Single places do not decide about the whole
+// mesh, such as a speck that would vanish: vertices there are kept.
+class DistanceSearch {
+ public:
+  DistanceSearch(const TriangleMesh& mesh, double max_distance, const SimplifyOptions& options)
+      : options_(options),
+        limit_(max_distance),
+        reducer_(mesh, options),
+        faces_(in_order_of_corners(ordered().triangles, ordered().vertex_count())),
+        input_{ordered().positions, faces_},
+        tree_(input_),
+        locked_(ordered().vertex_count(), 0),
+        best_{mesh, 0.0},
+        enough_(mesh.triangle_count()) {}
+
+  SimplifiedMesh run() {
+    std::size_t count = enough_ / 10;
+    while (!is_done()) {
+      report_progress();
+      count = std::clamp<std::size_t>(count, too_few_ + 1, enough_ - 1);
+      if (!try_count(count)) too_few_ = count;
+      count = static_cast<std::size_t>(std::sqrt(static_cast<double>(too_few_ + 1) * static_cast<double>(enough_)));
+    }
+    if (enough_ < ordered().triangle_count()) best_.distance = farthest_of_best();
+    return std::move(best_);
+  }
+
+ private:
+  using FarPlaces = std::vector<std::uint32_t>;
+  static constexpr double exactness = 1.05;  // of the number of triangles
+
+  [[nodiscard]] const TriangleMesh& ordered() const { return reducer_.ordered_mesh(); }
+  [[nodiscard]] bool is_done() const {
+    return enough_ <= too_few_ + 1 || static_cast<double>(enough_) <= exactness * static_cast<double>(too_few_);
+  }
+
+  [[nodiscard]] double farthest_of_best() const {
+    const SurfaceView best{best_.mesh.positions, best_.mesh.triangles};
+    return std::max(farthest_vertex(best, tree_, reducer_.threads()),
+                    farthest_vertex(input_, SurfaceTree(best), reducer_.threads()));
+  }
+
+  // Reduces the mesh to about so many triangles, and keeps it if it is near enough and smaller than the best. Where only
+  // few places are too far, locks the vertices of the input there and tries again.
+  bool try_count(std::size_t count) {
+    constexpr int most_attempts = 8;
+    const std::vector<std::uint8_t> locked_before = locked_;
+    for (int attempt = 0; attempt < most_attempts; ++attempt) {
+      TriangleMesh reduced = reducer_.reduced(count, locked_, keep_going());
+      if (reduced.triangles.empty() || reduced.triangle_count() >= enough_) break;
+      const std::optional<FarPlaces> far = far_places({reduced.positions, reduced.triangles});
+      if (!far) break;
+      if (getenv("SHOW")) fprintf(stderr, "%zu has %zu far %zu\n", count, reduced.triangle_count(), far->size());
+      if (far->empty()) {
+        enough_ = reduced.triangle_count();
+        best_ = {std::move(reduced), 0.0};
+        return true;
+      }
+      count += lock(*far);  // for what stays, so that nothing else has to go instead
+    }
+    locked_ = locked_before;
+    return false;
+  }
+
+  // Returns the faces of the input where one surface is too far from the other; nothing where that are many.
+  [[nodiscard]] std::optional<FarPlaces> far_places(const SurfaceView& reduced) const {
+    constexpr std::size_t share = 10;
+    const auto back = faces_beyond(limit_, reduced.faces.size() / share, reduced, tree_, reducer_.threads());
+    if (!back) return std::nullopt;
+    const auto there =
+        faces_beyond(limit_, faces_.size() / share, input_, SurfaceTree(reduced), reducer_.threads());
+    if (!there) return std::nullopt;
+    FarPlaces result;
+    for (const FarFace& far : *back) result.push_back(far.near);
+    for (const FarFace& far : *there) result.push_back(far.face);
+    return result;
+  }
+  // Locks the vertices of these faces. Returns how many were not locked before.
+  std::size_t lock(const FarPlaces& places) {
+    std::size_t count = 0;
+    for (const std::uint32_t face : places)
+      for (int k = 0; k < 3; ++k)
+        if (std::exchange(locked_[faces_[face][k]], 1) == 0) ++count;
+    return count;
+  }
+
+  // Each try may be cancelled, and reports nothing itself.
+  [[nodiscard]] std::function<bool(double)> keep_going() const {
+    if (!options_.progress) return {};
+    return [this](double) { return options_.progress(done_); };
+  }
+  void report_progress() {
+    const double all = std::log(static_cast<double>(ordered().triangle_count()) / exactness);
+    const double left =
+        std::log(static_cast<double>(enough_) / static_cast<double>(std::max<std::size_t>(too_few_, 1)));
+    done_ = std::max(done_, std::clamp(1.0 - left / all, 0.0, 1.0));
+  }
+
+  const SimplifyOptions& options_;
+  double limit_;
+  Reducer reducer_;
+  std::vector<Triangle> faces_;
+  SurfaceView input_;
+  SurfaceTree tree_;
+  std::vector<std::uint8_t> locked_;
+  SimplifiedMesh best_;
+  std::size_t too_few_ = 0, enough_;  // numbers of triangles that were tried
+  double done_ = 0.0;
+};
+
+}  // namespace
+
+TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles, const SimplifyOptions& options) {
+  if (max_triangles == 0) throw Error({"simplify", "max_triangles", "is 0", "ask for at least one triangle"});
+  check_options(mesh, options);
   const LargeMemoryReuse reuse;
-  const TriangleMesh ordered = in_spatial_order(mesh, thread_count(options.threads));
-  TriangleMesh result = reduced_mesh(ordered, reduce(ordered, build), options);
+  TriangleMesh result = mesh.triangle_count() <= max_triangles
+                            ? mesh
+                            : Reducer(mesh, options).reduced(max_triangles, {}, options.progress);
+  if (options.progress) (void)options.progress(1.0);
+  return result;
+}
+
+SimplifiedMesh simplify_within(const TriangleMesh& mesh, double max_distance, const SimplifyOptions& options) {
+  OptionChecker("simplify").positive("max_distance", max_distance);
+  check_options(mesh, options);
+  const LargeMemoryReuse reuse;
+  SimplifiedMesh result = DistanceSearch(mesh, max_distance, options).run();
   if (options.progress) (void)options.progress(1.0);
   return result;
 }

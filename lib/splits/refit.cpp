@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/threads.h"
+#include "splits/nearest_point.h"
 
 namespace occlod {
 namespace {
@@ -58,6 +59,8 @@ ReducedMesh::ReducedMesh(const Reduction& reduction) : number_(reduction.positio
 }
 
 using Positions = std::vector<glm::dvec3>;
+
+double squared_length(const glm::dvec3& v) { return glm::dot(v, v); }
 
 glm::dvec3 twice_area(const Positions& at, const Triangle& face) {
   return glm::cross(at[face.y] - at[face.x], at[face.z] - at[face.x]);
@@ -112,47 +115,6 @@ struct Quadric {
     return glm::dvec3(glm::dot(row_x, right), glm::dot(row_y, right), glm::dot(row_z, right)) / determinant;
   }
 };
-
-// Barycentric coordinates of the point of a triangle that is nearest to one, and the squared distance.
-struct Nearest {
-  glm::dvec3 weights{0.0};
-  double distance2 = std::numeric_limits<double>::infinity();
-};
-
-// As in Ericson, Real-Time Collision Detection, 5.1.5.
-Nearest nearest_point(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-  const glm::dvec3 ab = b - a, ac = c - a, ap = p - a;
-  const auto found = [&](double u, double v, double w) {
-    const glm::dvec3 off = ap - v * ab - w * ac;
-    return Nearest{{u, v, w}, glm::dot(off, off)};
-  };
-  const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
-  if (d1 <= 0.0 && d2 <= 0.0) return found(1.0, 0.0, 0.0);
-  const glm::dvec3 bp = p - b;
-  const double d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
-  if (d3 >= 0.0 && d4 <= d3) return found(0.0, 1.0, 0.0);
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 - d3 > 0.0) {
-    const double t = d1 / (d1 - d3);
-    return found(1.0 - t, t, 0.0);
-  }
-  const glm::dvec3 cp = p - c;
-  const double d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
-  if (d6 >= 0.0 && d5 <= d6) return found(0.0, 0.0, 1.0);
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 - d6 > 0.0) {
-    const double t = d2 / (d2 - d6);
-    return found(1.0 - t, 0.0, t);
-  }
-  const double va = d3 * d6 - d5 * d4, rise = d4 - d3, fall = d5 - d6;
-  if (va <= 0.0 && rise >= 0.0 && fall >= 0.0 && rise + fall > 0.0) {
-    const double t = rise / (rise + fall);
-    return found(0.0, 1.0 - t, t);
-  }
-  const double sum = va + vb + vc;
-  if (!(sum > 0.0)) return found(1.0, 0.0, 0.0);
-  return found(va / sum, vb / sum, vc / sum);
-}
 
 // The plane of a face: where a point lies over the face, in barycentric coordinates, and how far from it.
 struct FacePlane {
@@ -213,6 +175,11 @@ class Refit {
   [[nodiscard]] Place place_over(const glm::dvec3& p, const glm::dvec3& normal, std::uint32_t from,
                                  std::span<const FacePlane> planes) const;
   [[nodiscard]] Place nearest_place(const glm::dvec3& p, std::uint32_t from) const;
+  void add_sample(const Place& place, const glm::dvec3& p, double weight, FaceSums& sum) const;
+  [[nodiscard]] glm::dvec3 input_normal(const Triangle& face) const {
+    const glm::dvec3 a(reduction_.positions[face.x]);
+    return glm::cross(glm::dvec3(reduction_.positions[face.y]) - a, glm::dvec3(reduction_.positions[face.z]) - a);
+  }
   void move_to(Positions wanted);
   void keep_along_normals(Positions& wanted) const;
   void limit_steps(Positions& wanted) const;
@@ -251,11 +218,12 @@ Refit::Place Refit::place_over(const glm::dvec3& p, const glm::dvec3& normal, st
                                std::span<const FacePlane> planes) const {
   Place best;
   double distance = std::numeric_limits<double>::infinity();
+  constexpr double least_cosine = 0.7;  // so that points beside a crease go to their own side of it
   for (const std::uint32_t f : mesh_.faces_at(from)) {
     const FacePlane& plane = planes[f];
     const glm::dvec3 off = p - plane.origin;
     const double y = glm::dot(plane.along_y, off), z = glm::dot(plane.along_z, off);
-    if (!(y >= 0.0 && z >= 0.0 && y + z <= 1.0) || !(glm::dot(plane.normal, normal) > 0.0)) continue;
+    if (!(y >= 0.0 && z >= 0.0 && y + z <= 1.0) || !(glm::dot(plane.normal, normal) > least_cosine * glm::length(normal))) continue;
     const double d = std::abs(glm::dot(plane.normal, off));
     if (!(d < distance)) continue;
     distance = d;
@@ -271,7 +239,7 @@ Refit::Place Refit::nearest_place(const glm::dvec3& p, std::uint32_t from) const
   const auto look_around = [&](std::uint32_t vertex) {
     for (const std::uint32_t f : mesh_.faces_at(vertex)) {
       const Triangle& t = mesh_.faces()[f];
-      const Nearest found = nearest_point(p, at_[t.x], at_[t.y], at_[t.z]);
+      const NearestPoint found = nearest_point(p, at_[t.x], at_[t.y], at_[t.z]);
       if (!(found.distance2 < distance2)) continue;
       distance2 = found.distance2;
       best = {f, found.weights};
@@ -284,46 +252,79 @@ Refit::Place Refit::nearest_place(const glm::dvec3& p, std::uint32_t from) const
   return best;
 }
 
-// Assigns the middle of each input face, with its area as its weight, to the nearest reduced face.
+// Assigns points of the input, with their shares of its area, to the nearest reduced faces: the middles of faces and
+// the vertices, as integrates squares exactly over a face (with 3/4 and three times 1/12).
 std::vector<Refit::FaceSums> Refit::face_sums() const {
   struct Sample {
-    std::uint32_t face = no_id;
+    Place place;
     double weight = 0.0;
-    glm::vec3 corners;
-    glm::vec3 point;
   };
   std::vector<FacePlane> planes;
   planes.reserve(mesh_.faces().size());
   for (const Triangle& face : mesh_.faces()) planes.emplace_back(at_, face);
-  std::vector<Sample> samples(reduction_.faces.size());
-  for_each_range(samples.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Triangle& face = reduction_.faces[i];
-      const glm::dvec3 a(reduction_.positions[face.x]), b(reduction_.positions[face.y]),
-          c(reduction_.positions[face.z]);
-      std::uint32_t from = no_id;
-      for (int k = 0; k < 3 && from == no_id; ++k) from = mesh_.number(reduction_.target[face[k]]);
-      if (from == no_id) continue;
-      const glm::dvec3 middle = (a + b + c) / 3.0;
-      const glm::dvec3 normal = glm::cross(b - a, c - a);
-      Place place = place_over(middle, normal, from, planes);
-      if (place.face == no_id) place = nearest_place(middle, from);
-      samples[i] = {place.face, 0.5 * glm::length(normal), place.weights, middle};
+  const std::size_t vertex_count = reduction_.positions.size();
+  std::vector<glm::dvec3> normals(vertex_count, glm::dvec3(0.0));
+  std::vector<double> areas(vertex_count, 0.0);
+  for (const Triangle& face : reduction_.faces) {
+    const glm::dvec3 normal = input_normal(face);
+    const double area = 0.5 * glm::length(normal);
+    for (int k = 0; k < 3; ++k) {
+      normals[face[k]] += normal;
+      areas[face[k]] += area;
     }
-  });
-  std::vector<FaceSums> sums(mesh_.faces().size());
-  for (const Sample& sample : samples) {
-    if (sample.face == no_id) continue;
-    FaceSums& sum = sums[sample.face];
-    const glm::dvec3 w(sample.corners), weighted = sample.weight * w, p(sample.point);
-    const std::array<double, 6> squares = {weighted.x * w.x, weighted.x * w.y, weighted.x * w.z,
-                                           weighted.y * w.y, weighted.y * w.z, weighted.z * w.z};
-    for (std::size_t k = 0; k < 6; ++k) sum.squares[k] += squares[k];
-    const Triangle& t = mesh_.faces()[sample.face];
-    const glm::dvec3 off = p - (w.x * at_[t.x] + w.y * at_[t.y] + w.z * at_[t.z]);
-    for (int k = 0; k < 3; ++k) sum.points[static_cast<std::size_t>(k)] += weighted[k] * off;
   }
+  std::vector<FaceSums> sums(mesh_.faces().size());
+  std::vector<Place> places;
+  // Finds the places of points side by side, and adds them up in their order.
+  const auto add_all = [&](std::size_t count, const auto& point_of, const auto& normal_of, const auto& from_of,
+                           const auto& weight_of) {
+    places.assign(count, {});
+    for_each_range(count, threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::uint32_t from = from_of(i);
+        if (from == no_id) continue;
+        places[i] = place_over(point_of(i), normal_of(i), from, planes);
+        if (places[i].face == no_id) places[i] = nearest_place(point_of(i), from);
+      }
+    });
+    for (std::size_t i = 0; i < count; ++i)
+      if (places[i].face != no_id) add_sample(places[i], point_of(i), weight_of(i), sums[places[i].face]);
+  };
+  add_all(
+      reduction_.faces.size(),
+      [&](std::size_t i) {
+        const Triangle& t = reduction_.faces[i];
+        return (glm::dvec3(reduction_.positions[t.x]) + glm::dvec3(reduction_.positions[t.y]) +
+                glm::dvec3(reduction_.positions[t.z])) /
+               3.0;
+      },
+      [&](std::size_t i) { return input_normal(reduction_.faces[i]); },
+      [&](std::size_t i) {
+        std::uint32_t from = no_id;
+        for (int k = 0; k < 3 && from == no_id; ++k) from = mesh_.number(reduction_.target[reduction_.faces[i][k]]);
+        return from;
+      },
+      [&](std::size_t i) { return 0.75 * 0.5 * glm::length(input_normal(reduction_.faces[i])); });
+  add_all(
+      vertex_count, [&](std::size_t i) { return glm::dvec3(reduction_.positions[i]); },
+      [&](std::size_t i) { return normals[i]; },
+      [&](std::size_t i) { return areas[i] > 0.0 ? mesh_.number(reduction_.target[i]) : no_id; },
+      [&](std::size_t i) { return areas[i] / 12.0; });
   return sums;
+}
+
+void Refit::add_sample(const Place& place, const glm::dvec3& p, double weight, FaceSums& sum) const {
+  const glm::dvec3& w = place.weights;
+  const glm::dvec3 weighted = weight * w;
+  const std::array<double, 6> squares = {weighted.x * w.x, weighted.x * w.y, weighted.x * w.z,
+                                         weighted.y * w.y, weighted.y * w.z, weighted.z * w.z};
+  for (std::size_t k = 0; k < 6; ++k) sum.squares[k] += squares[k];
+  const Triangle& t = mesh_.faces()[place.face];
+  glm::dvec3 off = p - (w.x * at_[t.x] + w.y * at_[t.y] + w.z * at_[t.z]);
+  // A point beyond the border of the faces that were tried says nothing about how to move them along themselves.
+  const double along = glm::dot(twice_area(at_, t), off);
+  if (along * along < 0.5 * glm::dot(off, off) * squared_length(twice_area(at_, t))) off = glm::dvec3(0.0);
+  for (int k = 0; k < 3; ++k) sum.points[static_cast<std::size_t>(k)] += weighted[k] * off;
 }
 
 // Solves for the steps of all vertices by a few rounds of conjugate gradients with the diagonal as preconditioner.

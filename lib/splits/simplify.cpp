@@ -8,7 +8,6 @@
 #include <limits>
 #include <memory>
 #include <numeric>
-#include <ranges>
 #include <utility>
 
 #include "base/memory.h"
@@ -111,12 +110,12 @@ Box scaled_box(const TriangleMesh& mesh, float scale) {
 // so the result does not depend on which thread ran which block.
 class Simplifier {
  public:
-  Simplifier(const TriangleMesh& mesh, const BuildOptions& options, bool keeps_collapses)
+  Simplifier(const TriangleMesh& mesh, const BuildOptions& options, const SimplifySetup& setup)
       : mesh_(mesh),
         options_(options),
         threads_(thread_count(options.threads)),
         progress_(options.progress),
-        state_(std::make_unique<SimplifyState>(mesh, setup_of(options, threads_, keeps_collapses),
+        state_(std::make_unique<SimplifyState>(mesh, setup_of(options, threads_, setup),
                                                ProgressPart{progress_, 0.0, passes_first, 1.0})),
         box_(scaled_box(mesh, state_->scale)),
         live_faces_(mesh.triangle_count()) {
@@ -140,8 +139,8 @@ class Simplifier {
     result.target.resize(mesh_.vertex_count());
     std::iota(result.target.begin(), result.target.end(), 0U);
     for (std::size_t block = records_.size(); block-- > 0;)
-      for (const VertexMerge& merge : std::views::reverse(records_[block].merges))
-        result.target[merge.v] = result.target[merge.u];
+      for (auto merge = records_[block].merges.rbegin(); merge != records_[block].merges.rend(); ++merge)
+        result.target[merge->v] = result.target[merge->u];
     return result;
   }
 
@@ -158,9 +157,9 @@ class Simplifier {
     if (live_faces_ > options_.base_triangles) run_pass(make_blocks(live_.size(), std::numeric_limits<float>::max()));
   }
 
-  static SimplifySetup setup_of(const BuildOptions& options, unsigned threads, bool keeps_collapses) {
-    SimplifySetup setup{options.boundary_weight, threads};
-    setup.keeps_collapses = keeps_collapses;
+  static SimplifySetup setup_of(const BuildOptions& options, unsigned threads, SimplifySetup setup) {
+    setup.boundary_weight = options.boundary_weight;
+    setup.threads = threads;
     setup.keeps_attributes = true;
     setup.attribute_weight = options.attribute_weight;
     return setup;
@@ -284,11 +283,11 @@ class Simplifier {
 }  // namespace
 
 CollapseSequence simplify(const TriangleMesh& mesh, const BuildOptions& options) {
-  return Simplifier(mesh, options, true).run();
+  return Simplifier(mesh, options, {}).run();
 }
 
-ReducedFaces reduce(const TriangleMesh& mesh, const BuildOptions& options) {
-  return Simplifier(mesh, options, false).reduce();
+ReducedFaces reduce(const TriangleMesh& mesh, const BuildOptions& options, std::span<const std::uint8_t> locked) {
+  return Simplifier(mesh, options, {.locked = locked, .keeps_collapses = false}).reduce();
 }
 
 }  // namespace occlod

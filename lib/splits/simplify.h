@@ -132,8 +132,10 @@ struct ReducedFaces {
   std::vector<Triangle> corners;  // the wedges whose attributes they have; empty where attributes do not count
 };
 
-// Simplifies `mesh` like simplify() down to options.base_triangles, in less time, because it records less.
-[[nodiscard]] ReducedFaces reduce(const TriangleMesh& mesh, const BuildOptions& options);
+// Simplifies `mesh` like simplify() down to options.base_triangles, in less time, because it records less. Vertices
+// that `locked` marks (one entry per vertex, or empty) stay, and more triangles with them.
+[[nodiscard]] ReducedFaces reduce(const TriangleMesh& mesh, const BuildOptions& options,
+                                  std::span<const std::uint8_t> locked);
 
 // Simplifies `mesh`, which has passed build_hierarchy's checks. Fast when its vertices are in spatial order. The result
 // does not depend on the number of threads.

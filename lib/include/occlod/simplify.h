@@ -26,4 +26,18 @@ struct SimplifyOptions {
 [[nodiscard]] TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles,
                                     const SimplifyOptions& options = {});
 
+// Holds a reduced mesh and a bound on the distance of every point of either surface from the other: at most 1 % above
+// the true maximum, or a quarter of what was allowed. 0 where the mesh is the input.
+struct SimplifiedMesh {
+  TriangleMesh mesh;
+  double distance = 0.0;  // object units
+};
+
+// Returns the mesh with the fewest triangles that simplify() makes whose surface lies within `max_distance` (object
+// units, > 0) of the input and the input within it of the surface, everywhere: the distance is measured, by bisection
+// to 5 % of the number of triangles. Attributes do not count. Throws as simplify() does. Typically takes 10 times as
+// long as simplify().
+[[nodiscard]] SimplifiedMesh simplify_within(const TriangleMesh& mesh, double max_distance,
+                                             const SimplifyOptions& options = {});
+
 }  // namespace occlod
