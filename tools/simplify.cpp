@@ -87,7 +87,8 @@ double in_mesh_units(const Length& length, const std::string& file, const Triang
     return length.value * glm::distance(glm::dvec3(box.min), glm::dvec3(box.max));
   }
   if (length.of == Length::Of::metre && !file.ends_with(".glb") && !file.ends_with(".gltf"))
-    throw Error({file, "", "has no unit of length, as only glTF has", "give --error as a number in its units, or in %"});
+    throw Error(
+        {file, "", "has no unit of length, as only glTF has", "give --error as a number in its units, or in %"});
   return length.value;
 }
 
@@ -121,8 +122,7 @@ Json run_one(const Options& options, const std::string& input_file, const std::s
   const auto [mesh, distance] = reduce(options, input_file, input.mesh, progress);
   const double simplify_ms = stopwatch.restart();
   std::vector<std::string> notes;
-  write_interruptibly(output_file, 0, progress,
-                      [&] { notes = write_mesh(output_file, mesh, folder_of(input_file)); });
+  write_interruptibly(output_file, 0, progress, [&] { notes = write_mesh(output_file, mesh, folder_of(input_file)); });
   progress.clear();
   for (const std::string& note : notes) print_note(note);
   note_lost_origin(output_file, mesh.origin);
@@ -195,7 +195,8 @@ CLI::Option* add_parsed(CLI::App& command, const std::string& name, std::optiona
       },
       "", name);
   return command
-      .add_option_function<std::string>(name, [&value, parse](const std::string& text) { value = parse(text); }, about)
+      .add_option_function<std::string>(
+          name, [&value, parse](const std::string& text) { value = parse(text); }, about)
       ->transform(check);
 }
 

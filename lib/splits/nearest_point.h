@@ -14,8 +14,8 @@ struct NearestPoint {
   double distance2 = std::numeric_limits<double>::infinity();
 };
 
-// Returns the point of the triangle a, b, c that is nearest to p. The foot on the plane counts where it lies inside, and
-// the three sides always, so that rounding does no harm to triangles without area.
+// Returns the point of the triangle a, b, c that is nearest to p. The foot on the plane counts where it lies inside,
+// and the three sides always, so that rounding does no harm to triangles without area.
 [[nodiscard]] inline NearestPoint nearest_point(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
                                                 const glm::dvec3& c) {
   const glm::dvec3 ab = b - a, ac = c - a, ap = p - a, normal = glm::cross(ab, ac);

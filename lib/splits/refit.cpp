@@ -223,7 +223,9 @@ Refit::Place Refit::place_over(const glm::dvec3& p, const glm::dvec3& normal, st
     const FacePlane& plane = planes[f];
     const glm::dvec3 off = p - plane.origin;
     const double y = glm::dot(plane.along_y, off), z = glm::dot(plane.along_z, off);
-    if (!(y >= 0.0 && z >= 0.0 && y + z <= 1.0) || !(glm::dot(plane.normal, normal) > least_cosine * glm::length(normal))) continue;
+    if (!(y >= 0.0 && z >= 0.0 && y + z <= 1.0) ||
+        !(glm::dot(plane.normal, normal) > least_cosine * glm::length(normal)))
+      continue;
     const double d = std::abs(glm::dot(plane.normal, off));
     if (!(d < distance)) continue;
     distance = d;

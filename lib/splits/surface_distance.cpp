@@ -87,7 +87,7 @@ class FaceMeasurer {
     const double radius = std::sqrt(radius2);
     if (std::sqrt(found.distance2) + radius <= limit_ || is_near_face(piece)) return true;
     if (radius <= exactness * limit_) return false;
-    if (!cut_at_face(piece)) quarter(piece, middle);
+    if (!cut_at_face(piece, radius)) divide(piece, middle);
     return true;
   }
 
@@ -98,8 +98,9 @@ class FaceMeasurer {
 
   // Cuts the piece along the walls that stand on the sides of the near face. Returns false, with no new pieces, when
   // that does not help: when what lies over the face is too little, all, or not near it everywhere.
-  bool cut_at_face(const Polygon& piece) {
+  bool cut_at_face(const Polygon& piece, double radius) {
     constexpr double least_share = 1.0 / 16.0;
+    const double least_area = 1e-6 * limit_ * radius;  // what is so narrow is as near as what it was cut from
     const glm::dvec3 a = to_.corner(near_, 0), b = to_.corner(near_, 1), c = to_.corner(near_, 2);
     const glm::dvec3 normal = glm::cross(b - a, c - a);
     const std::size_t before = pieces_.size();
@@ -107,7 +108,7 @@ class FaceMeasurer {
     for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
       if (rest.size() + 1 >= Polygon::capacity) break;
       const auto [inside, outside] = cut(rest, from, glm::cross(normal, to - from));
-      if (outside.size() >= 3) pieces_.push_back(outside);
+      if (outside.size() >= 3 && outside.area() > least_area) pieces_.push_back(outside);
       rest = inside;
     }
     if (pieces_.size() > before && rest.area() > least_share * piece.area() && is_near_face(rest)) return true;
@@ -131,17 +132,18 @@ class FaceMeasurer {
     return {inside, outside};
   }
 
-  // Triangles into four, other polygons into triangles.
-  void quarter(const Polygon& p, const glm::dvec3& middle) {
+  // Halves triangles, and cuts other polygons into triangles.
+  void divide(const Polygon& p, const glm::dvec3& middle) {
     if (p.size() > 3) {
       for (std::size_t i = 0; i < p.size(); ++i) add_triangle(p[i], p[i + 1 == p.size() ? 0 : i + 1], middle);
       return;
     }
-    const glm::dvec3 ab = 0.5 * (p[0] + p[1]), bc = 0.5 * (p[1] + p[2]), ca = 0.5 * (p[2] + p[0]);
-    add_triangle(p[0], ab, ca);
-    add_triangle(ab, p[1], bc);
-    add_triangle(ca, bc, p[2]);
-    add_triangle(ab, bc, ca);
+    std::size_t longest = 0;  // the side from this corner
+    for (std::size_t i = 1; i < 3; ++i)
+      if (squared_length(p[(i + 1) % 3] - p[i]) > squared_length(p[(longest + 1) % 3] - p[longest])) longest = i;
+    const glm::dvec3 &from = p[longest], &to = p[(longest + 1) % 3], &beside = p[(longest + 2) % 3];
+    add_triangle(from, 0.5 * (from + to), beside);
+    add_triangle(0.5 * (from + to), to, beside);
   }
   void add_triangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     Polygon& triangle = pieces_.emplace_back();

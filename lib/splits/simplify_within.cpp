@@ -1,108 +1,23 @@
-// Implements occlod/simplify.h.
+// Searches the smallest mesh within a measured distance.
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <functional>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "base/memory.h"
 #include "base/option_checker.h"
-#include "base/threads.h"
 #include "occlod/simplify.h"
-#include "splits/attribute_state.h"
-#include "splits/build_steps.h"
-#include "splits/compact_mesh.h"
-#include "splits/refit.h"
-#include "splits/simplify.h"
-#include "splits/spatial_order.h"
+#include "splits/reducer.h"
 #include "splits/surface_distance.h"
 
 namespace occlod {
 namespace {
-
-// Marks the vertices whose corners have several wedges: seams of the texture stay where they are.
-std::vector<std::uint8_t> on_seams(std::span<const Triangle> faces, std::span<const Triangle> wedges,
-                                   std::size_t vertex_count) {
-  std::vector<WedgeId> first(vertex_count, no_id);
-  std::vector<std::uint8_t> result(vertex_count, 0);
-  for (std::size_t t = 0; t < faces.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      WedgeId& wedge = first[faces[t][k]];
-      if (wedge == no_id) wedge = wedges[t][k];
-      if (wedge != wedges[t][k]) result[faces[t][k]] = 1;
-    }
-  return result;
-}
-
-// Reduces one mesh, to one number of triangles after another.
-class Reducer {
- public:
-  Reducer(const TriangleMesh& mesh, const SimplifyOptions& options)
-      : options_(options),
-        threads_(thread_count(options.threads)),
-        mesh_(in_spatial_order(mesh, threads_)),
-        materials_(wedge_materials(mesh_)) {}
-
-  [[nodiscard]] const TriangleMesh& ordered_mesh() const { return mesh_; }
-  [[nodiscard]] unsigned threads() const { return threads_; }
-  // Vertices that `locked` marks, if it is not empty, stay as they are.
-  [[nodiscard]] TriangleMesh reduced(std::size_t max_triangles, std::span<const std::uint8_t> locked,
-                                     const std::function<bool(double)>& progress) const;
-
- private:
-  [[nodiscard]] std::vector<glm::vec3> refitted(const ReducedFaces& reduced, std::span<const Triangle> wedges,
-                                                std::span<const std::uint8_t> locked) const;
-
-  const SimplifyOptions& options_;
-  unsigned threads_;
-  TriangleMesh mesh_;
-  std::vector<MaterialId> materials_;
-};
-
-std::vector<glm::vec3> Reducer::refitted(const ReducedFaces& reduced, std::span<const Triangle> wedges,
-                                         std::span<const std::uint8_t> locked) const {
-  const Reduction reduction{std::span(mesh_.positions).first(mesh_.vertex_count()), mesh_.triangles, reduced.target,
-                            reduced.faces};
-  std::vector<std::uint8_t> held = on_seams(reduced.faces, wedges, mesh_.vertex_count());
-  for (std::size_t v = 0; v < locked.size(); ++v) held[v] |= locked[v];
-  return refit(reduction, held, !mesh_.texture_coordinates.empty(), threads_);
-}
-
-TriangleMesh Reducer::reduced(std::size_t max_triangles, std::span<const std::uint8_t> locked,
-                              const std::function<bool(double)>& progress) const {
-  BuildOptions build;
-  build.base_triangles = max_triangles;
-  build.boundary_weight = options_.boundary_weight;
-  build.attribute_weight = options_.attribute_weight;
-  build.threads = options_.threads;
-  build.progress = progress;
-  const ReducedFaces reduced = reduce(mesh_, build, locked);
-  const std::vector<Triangle>& wedges = reduced.corners.empty() ? reduced.faces : reduced.corners;
-  std::vector<glm::vec3> moved;
-  if (options_.refit) moved = refitted(reduced, wedges, locked);
-  const WedgeArrays arrays{options_.refit ? moved : mesh_.positions, mesh_.normals, mesh_.colors,
-                           mesh_.texture_coordinates};
-  TriangleMesh result = compact_mesh(arrays, reduced.faces, wedges, mesh_.vertex_count());
-  if (!materials_.empty())
-    for (const Triangle& t : wedges) result.triangle_materials.push_back(materials_[t.x]);
-  result.materials = mesh_.materials;
-  result.textures = mesh_.textures;
-  result.texture_origin = mesh_.texture_origin;
-  result.origin = mesh_.origin;
-  result.up = mesh_.up;
-  return result;
-}
-
-void check_options(const TriangleMesh& mesh, const SimplifyOptions& options) {
-  const OptionChecker check("simplify");
-  check.in_range("boundary_weight", options.boundary_weight, 0.0, 1e6);
-  check.in_range("attribute_weight", options.attribute_weight, 0.0, 1e6);
-  check.in_range("threads", options.threads, 0, 1024);
-  check_input(mesh);
-}
 
 // Returns the faces in the order of their smallest corners: where vertices are in spatial order, faces are too.
 std::vector<Triangle> in_order_of_corners(std::span<const Triangle> faces, std::size_t vertex_count) {
@@ -157,8 +72,8 @@ class DistanceSearch {
                     farthest_vertex(input_, SurfaceTree(best), reducer_.threads()));
   }
 
-  // Reduces the mesh to about so many triangles, and keeps it if it is near enough and smaller than the best. Where only
-  // few places are too far, locks the vertices of the input there and tries again.
+  // Reduces the mesh to about so many triangles, and keeps it if it is near enough and smaller than the best. Where
+  // only few places are too far, locks the vertices of the input there and tries again.
   bool try_count(std::size_t count) {
     constexpr int most_attempts = 8;
     const std::vector<std::uint8_t> locked_before = locked_;
@@ -167,7 +82,6 @@ class DistanceSearch {
       if (reduced.triangles.empty() || reduced.triangle_count() >= enough_) break;
       const std::optional<FarPlaces> far = far_places({reduced.positions, reduced.triangles});
       if (!far) break;
-      if (getenv("SHOW")) fprintf(stderr, "%zu has %zu far %zu\n", count, reduced.triangle_count(), far->size());
       if (far->empty()) {
         enough_ = reduced.triangle_count();
         best_ = {std::move(reduced), 0.0};
@@ -184,8 +98,7 @@ class DistanceSearch {
     constexpr std::size_t share = 10;
     const auto back = faces_beyond(limit_, reduced.faces.size() / share, reduced, tree_, reducer_.threads());
     if (!back) return std::nullopt;
-    const auto there =
-        faces_beyond(limit_, faces_.size() / share, input_, SurfaceTree(reduced), reducer_.threads());
+    const auto there = faces_beyond(limit_, faces_.size() / share, input_, SurfaceTree(reduced), reducer_.threads());
     if (!there) return std::nullopt;
     FarPlaces result;
     for (const FarFace& far : *back) result.push_back(far.near);
@@ -227,20 +140,8 @@ class DistanceSearch {
 
 }  // namespace
 
-TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles, const SimplifyOptions& options) {
-  if (max_triangles == 0) throw Error({"simplify", "max_triangles", "is 0", "ask for at least one triangle"});
-  check_options(mesh, options);
-  const LargeMemoryReuse reuse;
-  TriangleMesh result = mesh.triangle_count() <= max_triangles
-                            ? mesh
-                            : Reducer(mesh, options).reduced(max_triangles, {}, options.progress);
-  if (options.progress) (void)options.progress(1.0);
-  return result;
-}
-
 SimplifiedMesh simplify_within(const TriangleMesh& mesh, double max_distance, const SimplifyOptions& options) {
   OptionChecker("simplify").positive("max_distance", max_distance);
-  check_options(mesh, options);
   const LargeMemoryReuse reuse;
   SimplifiedMesh result = DistanceSearch(mesh, max_distance, options).run();
   if (options.progress) (void)options.progress(1.0);
