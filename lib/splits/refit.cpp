@@ -147,6 +147,10 @@ class Refit {
       at_.emplace_back(reduction.positions[mesh_.vertex(i)]);
     }
     start_ = at_;
+    normals_.resize(reduction.faces.size());
+    for_each_range(normals_.size(), threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) normals_[f] = input_normal(reduction.faces[f]);
+    });
   }
 
   std::vector<glm::vec3> run() {
@@ -175,7 +179,14 @@ class Refit {
   [[nodiscard]] Place place_over(const glm::dvec3& p, const glm::dvec3& normal, std::uint32_t from,
                                  std::span<const FacePlane> planes) const;
   [[nodiscard]] Place nearest_place(const glm::dvec3& p, std::uint32_t from) const;
-  void add_sample(const Place& place, const glm::dvec3& p, double weight, FaceSums& sum) const;
+  struct Sample {
+    std::uint32_t face = no_id;
+    double weight = 0.0;  // the share of the input's area
+    glm::vec3 weights{0.0F}, off{0.0F};
+  };
+  [[nodiscard]] Sample sample_at(const glm::dvec3& p, const glm::dvec3& normal, double weight, std::uint32_t from,
+                                 std::span<const FacePlane> planes) const;
+  static void add(const Sample& sample, std::vector<FaceSums>& sums);
   [[nodiscard]] glm::dvec3 input_normal(const Triangle& face) const {
     const glm::dvec3 a(reduction_.positions[face.x]);
     return glm::cross(glm::dvec3(reduction_.positions[face.y]) - a, glm::dvec3(reduction_.positions[face.z]) - a);
@@ -190,18 +201,18 @@ class Refit {
   bool along_normals_;
   unsigned threads_;
   std::vector<std::uint8_t> held_;
-  Positions start_;  // before all moves
+  Positions normals_;  // of the input's faces, twice as long as their areas
+  Positions start_;    // before all moves
   Positions at_;
 };
 
 Positions Refit::quadric_minima() const {
   std::vector<Quadric> quadrics(mesh_.size());
-  for (const Triangle& face : reduction_.faces) {
-    const glm::dvec3 a(reduction_.positions[face.x]), b(reduction_.positions[face.y]), c(reduction_.positions[face.z]);
-    const glm::dvec3 normal = glm::cross(b - a, c - a);
-    const double length = glm::length(normal);
+  for (std::size_t f = 0; f < normals_.size(); ++f) {
+    const double length = glm::length(normals_[f]);
     if (!(length > 0.0)) continue;
-    const glm::dvec3 weighted = normal / std::sqrt(2.0 * length);
+    const Triangle& face = reduction_.faces[f];
+    const glm::dvec3 a(reduction_.positions[face.x]), weighted = normals_[f] / std::sqrt(2.0 * length);
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t i = mesh_.number(reduction_.target[face[k]]);
       if (i != no_id) quadrics[i].add(weighted, glm::dot(weighted, a - at_[i]));
@@ -257,75 +268,64 @@ Refit::Place Refit::nearest_place(const glm::dvec3& p, std::uint32_t from) const
 // Assigns points of the input, with their shares of its area, to the nearest reduced faces: the middles of faces and
 // the vertices, as integrates squares exactly over a face (with 3/4 and three times 1/12).
 std::vector<Refit::FaceSums> Refit::face_sums() const {
-  struct Sample {
-    Place place;
-    double weight = 0.0;
-  };
   std::vector<FacePlane> planes;
   planes.reserve(mesh_.faces().size());
   for (const Triangle& face : mesh_.faces()) planes.emplace_back(at_, face);
-  const std::size_t vertex_count = reduction_.positions.size();
-  std::vector<glm::dvec3> normals(vertex_count, glm::dvec3(0.0));
-  std::vector<double> areas(vertex_count, 0.0);
-  for (const Triangle& face : reduction_.faces) {
-    const glm::dvec3 normal = input_normal(face);
-    const double area = 0.5 * glm::length(normal);
-    for (int k = 0; k < 3; ++k) {
-      normals[face[k]] += normal;
-      areas[face[k]] += area;
+  std::vector<Sample> samples(reduction_.faces.size());
+  for_each_range(samples.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const Triangle& t = reduction_.faces[f];
+      std::uint32_t from = no_id;
+      for (int k = 0; k < 3 && from == no_id; ++k) from = mesh_.number(reduction_.target[t[k]]);
+      const glm::dvec3 middle = (glm::dvec3(reduction_.positions[t.x]) + glm::dvec3(reduction_.positions[t.y]) +
+                                 glm::dvec3(reduction_.positions[t.z])) /
+                                3.0;
+      samples[f] = sample_at(middle, normals_[f], 0.75 * 0.5 * glm::length(normals_[f]), from, planes);
     }
-  }
+  });
   std::vector<FaceSums> sums(mesh_.faces().size());
-  std::vector<Place> places;
-  // Finds the places of points side by side, and adds them up in their order.
-  const auto add_all = [&](std::size_t count, const auto& point_of, const auto& normal_of, const auto& from_of,
-                           const auto& weight_of) {
-    places.assign(count, {});
-    for_each_range(count, threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const std::uint32_t from = from_of(i);
-        if (from == no_id) continue;
-        places[i] = place_over(point_of(i), normal_of(i), from, planes);
-        if (places[i].face == no_id) places[i] = nearest_place(point_of(i), from);
-      }
-    });
-    for (std::size_t i = 0; i < count; ++i)
-      if (places[i].face != no_id) add_sample(places[i], point_of(i), weight_of(i), sums[places[i].face]);
-  };
-  add_all(
-      reduction_.faces.size(),
-      [&](std::size_t i) {
-        const Triangle& t = reduction_.faces[i];
-        return (glm::dvec3(reduction_.positions[t.x]) + glm::dvec3(reduction_.positions[t.y]) +
-                glm::dvec3(reduction_.positions[t.z])) /
-               3.0;
-      },
-      [&](std::size_t i) { return input_normal(reduction_.faces[i]); },
-      [&](std::size_t i) {
-        std::uint32_t from = no_id;
-        for (int k = 0; k < 3 && from == no_id; ++k) from = mesh_.number(reduction_.target[reduction_.faces[i][k]]);
-        return from;
-      },
-      [&](std::size_t i) { return 0.75 * 0.5 * glm::length(input_normal(reduction_.faces[i])); });
-  add_all(
-      vertex_count, [&](std::size_t i) { return glm::dvec3(reduction_.positions[i]); },
-      [&](std::size_t i) { return normals[i]; },
-      [&](std::size_t i) { return areas[i] > 0.0 ? mesh_.number(reduction_.target[i]) : no_id; },
-      [&](std::size_t i) { return areas[i] / 12.0; });
+  for (const Sample& sample : samples) add(sample, sums);
+
+  Positions normals(reduction_.positions.size(), glm::dvec3(0.0));
+  std::vector<double> areas(normals.size(), 0.0);
+  for (std::size_t f = 0; f < normals_.size(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      normals[reduction_.faces[f][k]] += normals_[f];
+      areas[reduction_.faces[f][k]] += samples[f].weight / 0.75;
+    }
+  samples.resize(normals.size());
+  for_each_range(samples.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v)
+      samples[v] = sample_at(glm::dvec3(reduction_.positions[v]), normals[v], areas[v] / 12.0,
+                             mesh_.number(reduction_.target[v]), planes);
+  });
+  for (const Sample& sample : samples) add(sample, sums);
   return sums;
 }
 
-void Refit::add_sample(const Place& place, const glm::dvec3& p, double weight, FaceSums& sum) const {
+// Returns where a point of the input lies on the reduced faces around `from`, and what it adds to their sums.
+Refit::Sample Refit::sample_at(const glm::dvec3& p, const glm::dvec3& normal, double weight, std::uint32_t from,
+                               std::span<const FacePlane> planes) const {
+  if (from == no_id || !(weight > 0.0)) return {.weight = weight};
+  Place place = place_over(p, normal, from, planes);
+  if (place.face == no_id) place = nearest_place(p, from);
+  if (place.face == no_id) return {.weight = weight};
+  const Triangle& t = mesh_.faces()[place.face];
   const glm::dvec3& w = place.weights;
-  const glm::dvec3 weighted = weight * w;
+  const glm::dvec3 off = p - (w.x * at_[t.x] + w.y * at_[t.y] + w.z * at_[t.z]);
+  // A point beyond the border of the faces that were tried says nothing about how to move them along themselves.
+  const double along = glm::dot(planes[place.face].normal, off);
+  const bool is_over = along * along >= 0.5 * squared_length(off);
+  return {place.face, weight, glm::vec3(w), is_over ? glm::vec3(off) : glm::vec3(0.0F)};
+}
+
+void Refit::add(const Sample& sample, std::vector<FaceSums>& sums) {
+  if (sample.face == no_id) return;
+  FaceSums& sum = sums[sample.face];
+  const glm::dvec3 w(sample.weights), weighted = sample.weight * w, off(sample.off);
   const std::array<double, 6> squares = {weighted.x * w.x, weighted.x * w.y, weighted.x * w.z,
                                          weighted.y * w.y, weighted.y * w.z, weighted.z * w.z};
   for (std::size_t k = 0; k < 6; ++k) sum.squares[k] += squares[k];
-  const Triangle& t = mesh_.faces()[place.face];
-  glm::dvec3 off = p - (w.x * at_[t.x] + w.y * at_[t.y] + w.z * at_[t.z]);
-  // A point beyond the border of the faces that were tried says nothing about how to move them along themselves.
-  const double along = glm::dot(twice_area(at_, t), off);
-  if (along * along < 0.5 * glm::dot(off, off) * squared_length(twice_area(at_, t))) off = glm::dvec3(0.0);
   for (int k = 0; k < 3; ++k) sum.points[static_cast<std::size_t>(k)] += weighted[k] * off;
 }
 
