@@ -1,6 +1,6 @@
 # Where dependencies come from that are not installed, with OCCLOD_FETCH_DEPENDENCIES: their authors' releases, each by the
 # hash of its archive. The versions are those of Debian 12, which the tests run with. FETCHCONTENT_SOURCE_DIR_<NAME> names
-# sources that are already here: scripts/check_doors.sh.
+# sources that are already here: scripts/check_doors.sh. scripts/sdist.py reads the declarations, in the form that they have.
 include(FetchContent)
 
 # Of some only headers are used: these have no folder of the name `none`, so that CMake unpacks and does nothing else.
@@ -41,6 +41,14 @@ FetchContent_Declare(zstd
   URL https://github.com/facebook/zstd/releases/download/v1.5.4/zstd-1.5.4.tar.gz
   URL_HASH SHA256=0f470992aedad543126d06efab344dc5f3e171893810455787d38347343a4424
   SOURCE_SUBDIR build/cmake SYSTEM FIND_PACKAGE_ARGS)
+
+# The sdist of the Python package carries these sources: then nothing is fetched, and nothing of the system is used.
+file(GLOB occlod_carried ${CMAKE_CURRENT_LIST_DIR}/../third_party/*)
+foreach(folder IN LISTS occlod_carried)
+  cmake_path(GET folder FILENAME name)
+  string(TOUPPER FETCHCONTENT_SOURCE_DIR_${name} variable)
+  set(${variable} ${folder} CACHE PATH "Sources that the sdist carries")
+endforeach()
 
 # occlod_find(NAME [TARGET target [INCLUDE folder]]): finds a package. One that is fetched becomes part of ours, and so is
 # static; TARGET says that it consists of headers, which lie in INCLUDE.
@@ -83,10 +91,11 @@ endfunction()
 
 # occlod_find_header(NAME HEADER [option of find_path ...]): finds a library of headers that has no package, as occlod_NAME.
 function(occlod_find_header name header)
-  string(TOUPPER "OCCLOD_${name}_HEADERS" folder)
+  string(TOUPPER OCCLOD_${name}_HEADERS folder)
+  string(TOUPPER FETCHCONTENT_SOURCE_DIR_${name} given)
   if(NOT OCCLOD_FETCH_DEPENDENCIES)
     find_path(${folder} ${header} ${ARGN} REQUIRED)
-  elseif(NOT FETCHCONTENT_TRY_FIND_PACKAGE_MODE STREQUAL NEVER)
+  elseif(NOT ${given} AND NOT FETCHCONTENT_TRY_FIND_PACKAGE_MODE STREQUAL NEVER)
     find_path(${folder} ${header} ${ARGN})
   endif()
   if(NOT ${folder})
@@ -99,4 +108,15 @@ endfunction()
 function(occlod_headers name folder)
   add_library(occlod_${name} INTERFACE)
   target_include_directories(occlod_${name} SYSTEM INTERFACE ${folder})
+endfunction()
+
+# Installs the licences of what is compiled from its sources, each in a folder of its name.
+function(occlod_install_licences destination)
+  foreach(name IN ITEMS glm nlohmann_json CLI11 xxhash stb tinygltf fmt hwy zstd)
+    FetchContent_GetProperties(${name} SOURCE_DIR source_dir)
+    if(source_dir)
+      file(GLOB licences LIST_DIRECTORIES OFF ${source_dir}/LICENSE* ${source_dir}/copying.txt)
+      install(FILES ${licences} DESTINATION ${destination}/${name})
+    endif()
+  endforeach()
 endfunction()
