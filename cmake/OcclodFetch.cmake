@@ -43,7 +43,8 @@ FetchContent_Declare(zstd
   SOURCE_SUBDIR build/cmake SYSTEM FIND_PACKAGE_ARGS)
 
 # The sdist of the Python package carries these sources: then nothing is fetched, and nothing of the system is used.
-file(GLOB occlod_carried ${CMAKE_CURRENT_LIST_DIR}/../third_party/*)
+file(REAL_PATH ${CMAKE_CURRENT_LIST_DIR}/../third_party occlod_carried)
+file(GLOB occlod_carried ${occlod_carried}/*)
 foreach(folder IN LISTS occlod_carried)
   cmake_path(GET folder FILENAME name)
   string(TOUPPER FETCHCONTENT_SOURCE_DIR_${name} variable)

@@ -4,7 +4,7 @@
 It carries what the build needs, so that it builds offline with no system package but a C++ compiler: of each release that
 cmake/OcclodFetch.cmake declares the files named below, with its licence, in third_party/. The archives are downloaded and
 checked by their hashes. --sources takes them, unpacked and unchecked, from FOLDER/NAME instead, for tests without a network.
-Works in build/sdist. Needs scikit-build-core in the Python that runs this: pip install scikit-build-core."""
+Archives are kept in build/sdist. The Python that runs this needs scikit-build-core (pip install scikit-build-core)."""
 import argparse
 import fnmatch
 import hashlib
@@ -12,6 +12,7 @@ import pathlib
 import re
 import shutil
 import sys
+import tempfile
 import urllib.request
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -21,18 +22,19 @@ DECLARED = re.compile(r"FetchContent_Declare\((\w+)\s+URL (\S+)\s+URL_HASH SHA25
 # Patterns of paths, where * also stands for slashes. The first of each is its licence.
 CARRIED = {
     "CLI11": ["LICENSE", "include/*.hpp"],
-    "fmt": ["LICENSE*", "CMakeLists.txt", "include/*.h", "src/format.cc", "src/os.cc", "support/cmake/*"],
+    "fmt": ["LICENSE*", "ChangeLog.*", "CMakeLists.txt", "README.*", "include/*.h", "src/format.cc", "src/os.cc", "support/cmake/*"],
     "glm": ["copying.txt", "glm/*.hpp", "glm/*.inl", "glm/simd/*.h"],
     "hwy": ["LICENSE*", "CMakeLists.txt", "cmake/*", "hwy/*.h", "hwy/*.cc"],
     "nlohmann_json": ["LICENSE.MIT", "include/*.hpp"],
     "stb": ["LICENSE", "stb_image.h", "stb_image_write.h"],
     "tinygltf": ["LICENSE", "tiny_gltf.h"],
     "xxhash": ["LICENSE", "xxhash.h"],
-    "zstd": ["LICENSE", "build/cmake/*", "lib/*.h", "lib/*.c", "lib/*.S"],
+    "zstd": ["LICENSE", "build/cmake/*", "lib/*.h", "lib/*.c", "lib/*.S", "lib/libzstd.pc.in"],
 }
 LEFT_OUT = {
-    "hwy": ["hwy/*_test.cc", "hwy/contrib/*", "hwy/examples/*", "hwy/tests/*"],
-    "zstd": ["build/cmake/contrib/*", "build/cmake/programs/*", "build/cmake/tests/*", "*/.gitignore", "build/cmake/README.md", "lib/deprecated/*", "lib/legacy/*"],
+    "hwy": ["hwy/contrib/*", "hwy/examples/*", "*_test.cc"],
+    "zstd": ["build/cmake/contrib/*", "build/cmake/programs/*", "build/cmake/tests/*", "build/cmake/README.md", "*/.gitignore",
+             "lib/deprecated/*", "lib/legacy/*"],
 }
 
 
@@ -89,7 +91,7 @@ def carry(name, source, target):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sources", type=pathlib.Path, help="a folder with the unpacked sources of each dependency, by its name")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build/dist")
     arguments = parser.parse_args()
@@ -97,13 +99,12 @@ def main():
         from scikit_build_core.build import build_sdist
     except ImportError:
         fail(f"{sys.executable} has no scikit-build-core: in a virtual environment, pip install scikit-build-core")
-    third_party = WORK / "third_party"
-    shutil.rmtree(third_party, ignore_errors=True)
-    for name, (url, digest) in releases().items():
-        source = arguments.sources / name if arguments.sources else download(name, url, digest)
-        carry(name, source, third_party / name)
     arguments.output.mkdir(parents=True, exist_ok=True)
-    build_sdist(str(arguments.output.resolve()), {f"sdist.force-include.{third_party}": "third_party"})
+    with tempfile.TemporaryDirectory() as third_party:
+        for name, (url, digest) in releases().items():
+            source = arguments.sources / name if arguments.sources else download(name, url, digest)
+            carry(name, source, pathlib.Path(third_party, name))
+        build_sdist(str(arguments.output.resolve()), {f"sdist.force-include.{third_party}": "third_party"})
 
 
 if __name__ == "__main__":
