@@ -76,6 +76,7 @@ function(occlod_find_or_fetch name)
   set(HWY_ENABLE_TESTS OFF)
   set(ZSTD_BUILD_PROGRAMS OFF)
   set(ZSTD_BUILD_SHARED OFF)
+  set(ZSTD_LEGACY_SUPPORT OFF)  # formats older than ours
   FetchContent_MakeAvailable(${name})
   FetchContent_GetProperties(${name} SOURCE_DIR source_dir)
   if(ARG_TARGET AND NOT TARGET ${ARG_TARGET})
@@ -86,7 +87,7 @@ function(occlod_find_or_fetch name)
     add_library(hwy::hwy ALIAS hwy)  # the name that later versions and their packages use
   endif()
   if(name STREQUAL zstd AND TARGET libzstd_static)
-    target_include_directories(libzstd_static SYSTEM INTERFACE ${source_dir}/lib)
+    target_include_directories(libzstd_static SYSTEM INTERFACE $<BUILD_INTERFACE:${source_dir}/lib>)
   endif()
 endfunction()
 
