@@ -8,6 +8,7 @@ Archives are kept in build/sdist. The Python that runs this needs scikit-build-c
 import argparse
 import fnmatch
 import hashlib
+import os
 import pathlib
 import re
 import shutil
@@ -100,11 +101,13 @@ def main():
     except ImportError:
         fail(f"{sys.executable} has no scikit-build-core: in a virtual environment, pip install scikit-build-core")
     arguments.output.mkdir(parents=True, exist_ok=True)
+    output = str(arguments.output.resolve())
     with tempfile.TemporaryDirectory() as third_party:
         for name, (url, digest) in releases().items():
             source = arguments.sources / name if arguments.sources else download(name, url, digest)
             carry(name, source, pathlib.Path(third_party, name))
-        build_sdist(str(arguments.output.resolve()), {f"sdist.force-include.{third_party}": "third_party"})
+        os.chdir(ROOT)
+        build_sdist(output, {f"sdist.force-include.{third_party}": "third_party"})
 
 
 if __name__ == "__main__":
