@@ -104,6 +104,7 @@ int run(int argc, char** argv) {
   add_render(app);
   add_cut(app);
   add_hlod(app);
+  add_tiles(app);
   add_cells(app);
 #ifdef OCCLOD_HAS_CGAL
   add_compare(app);
