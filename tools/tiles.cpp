@@ -50,6 +50,12 @@ void refuse_inputs_in(const TilesetOutput& output, const std::vector<std::string
   }
 }
 
+// Returns the folder in which the output is made, whether its name ends in a slash or not.
+fs::path folder_beside(fs::path output) {
+  if (!output.has_filename()) output = output.parent_path();
+  return folder_of(output);
+}
+
 void check(const Options& options, const CLI::App& command) {
   if (is_hlod(options))
     for (const char* const option : {"--node-triangles", "--memory"})
@@ -64,7 +70,7 @@ void run(const Options& options) {
   Progress progress(options.progress);
   Stopwatch stopwatch;
   std::optional<MemoryLimit> limit;  // ends after what it holds
-  if (options.memory) limit.emplace(*options.memory, folder_of(options.output.folder));
+  if (options.memory) limit.emplace(*options.memory, folder_beside(options.output.folder));
   BuiltHlod built;
   if (is_hlod(options)) {
     OhlodFile file = read_nested_ohlod(options.inputs[0]);

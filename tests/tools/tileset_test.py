@@ -268,6 +268,8 @@ class OneCommand(ToolTest):
         self.assert_as_by_two(["planet.ply"])
         self.assert_as_by_two(["planet.ply"], ["--node-triangles", 64, "--threads", 1], ["--quantise", 12, "--skirts", "--origin", "11.5,48.1,520"])
         self.assert_as_by_two(["planet.ply"], ["--memory", "64M"], ["--up", "y"])
+        self.succeed("tiles", "planet.ply", "-o", "slash/", "--memory", "64M", "--up", "y")
+        self.assertEqual(self.files_of("slash"), self.files_of("one"))
         self.make_planet("b.ply", 2)
         self.assert_as_by_two(["planet.ply", "b.ply"])
 
