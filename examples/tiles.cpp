@@ -11,8 +11,8 @@
 int main(int argc, char** argv) try {
   const occlod::TriangleMesh mesh =
       argc > 1 ? occlod::read_mesh(argv[1]).mesh : occlod::generate("city", {{"blocks", 8}, {"facade_cells", 4}});
-  // Tiles are a tree, so every node may have one parent only.
-  const occlod::hlod::Hlod hlod = occlod::hlod::build_hlod(mesh, {.grouping = occlod::hlod::Grouping::nested});
+  // Tiles are a tree, so every node has one parent only.
+  const occlod::hlod::Hlod hlod = occlod::hlod::build_hlod(mesh, occlod::tiles::build_options());
   occlod::tiles::TilesetOptions options;
   options.origin = {.longitude_deg = 2.2945, .latitude_deg = 48.8584};
   options.replace = true;  // the tiles of an earlier run

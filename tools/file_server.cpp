@@ -34,12 +34,6 @@ constexpr std::size_t part_bytes = std::size_t{1} << 16;
 
 std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
 
-// Ignores the port.
-bool is_this_machine(std::string_view host) {
-  host = host.substr(0, host.find(':'));
-  return host == "127.0.0.1" || host == "localhost";
-}
-
 // Holds a file or text that is sent part by part.
 class Answer {
  public:
@@ -108,15 +102,19 @@ class Server {
  public:
   explicit Server(const ServerOptions& options)
       : options_(options), acceptor_(context_), signals_(context_, SIGINT, SIGTERM) {
-    const Tcp::endpoint place(asio::ip::address_v4::loopback(), options.port);
+    ErrorCode error;
+    const Tcp::endpoint place(asio::ip::make_address(options.host, error), options.port);
+    if (error)
+      throw Error({options.host, "", "is no address", "give numbers: 127.0.0.1, ::1, or 0.0.0.0 for all of IPv4"});
     try {
       acceptor_.open(place.protocol());
       acceptor_.set_option(asio::socket_base::reuse_address(true));
       acceptor_.bind(place);
       acceptor_.listen();
-    } catch (const boost::system::system_error& error) {
-      throw Error({fmt::format("port {}", options.port), "", "cannot be had: " + error.code().message(),
-                   "choose another one with --port, or 0 for any"});
+    } catch (const boost::system::system_error& failure) {
+      throw Error({fmt::format("port {} of {}", options.port, options.host), "",
+                   "cannot be had: " + failure.code().message(),
+                   "choose another port with --port, or 0 for any, and with --host an address of this machine"});
     }
   }
 
@@ -196,8 +194,6 @@ void Session::answer() {
     answer_->response.keep_alive(false);  // a body may follow
     refuse(http::status::method_not_allowed, "Only GET and HEAD are answered.\n");
     answer_->response.set(http::field::allow, "GET, HEAD");
-  } else if (!is_this_machine(view_of(request[http::field::host]))) {
-    refuse(http::status::forbidden, "This server is for http://127.0.0.1 only.\n");
   } else if (!path) {
     refuse(http::status::bad_request, "The address is none.\n");
   } else {
@@ -259,6 +255,7 @@ void Session::refuse(http::status status, std::string why) {
 
 void Session::send() {
   http::response<http::buffer_body>& response = answer_->response;
+  response.set(http::field::access_control_allow_origin, "*");
   response.set("X-Content-Type-Options", "nosniff");
   response.content_length(answer_->size());
   response.body().more = true;

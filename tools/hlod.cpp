@@ -11,11 +11,17 @@
 
 #include "base/timing.h"
 #include "commands.h"
+#include "hlod/build/build_journal.h"
+#include "occlod/base.h"
 #include "occlod/mesh_file.h"
 #include "occlod/scene.h"
+#include "option_values.h"
+#include "stopwatch.h"
 
 namespace occlod::tool {
 namespace {
+
+constexpr std::uint64_t min_node_triangles = 16, max_node_triangles = 4096;
 
 Json level_of(const hlod::Hlod& hlod, std::size_t index) {
   const hlod::Level& level = hlod.data().levels[index];
@@ -77,6 +83,47 @@ CleanMesh read_hlod_input(const std::vector<std::string>& files, Progress& progr
 hlod::TriangleSource stream_hlod_input(const std::vector<std::string>& files, Progress& progress) {
   return stream_scene(describe_all(files), std::filesystem::path(files[0]).parent_path(),
                       [&](const std::string& what, double done) { progress.show(what, done); });
+}
+
+OhlodFile read_nested_ohlod(const std::string& file) {
+  OhlodFile read = read_ohlod(file);
+  if (read.hlod.data().grouping != hlod::Grouping::nested)
+    throw Error({file, "", "has shifted groups, whose nodes have several parents, and tiles form a tree",
+                 "build it with --grouping nested --borders free"});
+  return read;
+}
+
+void add_node_triangles(CLI::App& command, std::uint32_t& node_triangles) {
+  add_number(command, "--node-triangles", node_triangles, WholeRange{min_node_triangles, max_node_triangles},
+             "The most triangles that a node of the finest level has")
+      ->capture_default_str();
+}
+
+CLI::Option* add_memory(CLI::App& command, std::optional<std::size_t>& memory, const std::string& about) {
+  constexpr std::uint64_t least = std::uint64_t{64} << 20U;
+  const auto set = [&memory](const std::string& text) {
+    memory = byte_count(text);
+    if (!memory || *memory < least)
+      throw CLI::ValidationError(
+          "--memory", fmt::format("{} is not a number of bytes, or one with K, M or G, of at least 64M", shown(text)));
+  };
+  return command.add_option_function<std::string>("--memory", set, about)->option_text("BYTES");
+}
+
+BuiltHlod build_from_files(const std::vector<std::string>& files, bool streams, const hlod::HlodBuildOptions& options,
+                           Progress& progress) {
+  BuiltHlod built;
+  if (streams) {
+    const hlod::TriangleSource source = stream_hlod_input(files, progress);
+    built.hlod = build_hlod(source, options, built.report, built.nodes_found);
+    return built;
+  }
+  const Stopwatch stopwatch;
+  const CleanMesh input = read_hlod_input(files, progress);
+  built.read_ms = stopwatch.milliseconds();
+  built.report = input.report;
+  built.hlod = build_hlod(input.mesh, options, built.report, built.nodes_found);
+  return built;
 }
 
 Json counts_of(const hlod::Hlod& hlod) {

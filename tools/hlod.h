@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,11 +11,13 @@
 #include "occlod/build_hlod.h"
 #include "occlod/hlod.h"
 #include "occlod/mesh.h"
+#include "occlod/node_store.h"
 #include "progress.h"
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace occlod::tool {
 
@@ -29,6 +33,24 @@ void add_hlod_validate(CLI::App& hlod);
 
 // Reads the files piece by piece, for meshes larger than memory. `progress` must outlive the source.
 [[nodiscard]] hlod::TriangleSource stream_hlod_input(const std::vector<std::string>& files, Progress& progress);
+
+// Reads an .ohlod file whose groups are nested, as tilesets need. Throws Error for another.
+[[nodiscard]] OhlodFile read_nested_ohlod(const std::string& file);
+
+// Adds --node-triangles and --memory of commands that build.
+void add_node_triangles(CLI::App& command, std::uint32_t& node_triangles);
+CLI::Option* add_memory(CLI::App& command, std::optional<std::size_t>& memory, const std::string& about);
+
+struct BuiltHlod {
+  hlod::Hlod hlod;
+  MeshReport report;
+  double read_ms = 0.0;         // time for reading, where it comes first
+  std::size_t nodes_found = 0;  // in the journal
+};
+
+// Builds from all files, read piece by piece if `streams`, as a MemoryLimit needs.
+[[nodiscard]] BuiltHlod build_from_files(const std::vector<std::string>& files, bool streams,
+                                         const hlod::HlodBuildOptions& options, Progress& progress);
 
 // Returns nodes, levels, roots, patches, triangles, stored_triangles, grouping, borders, node_triangles, within and
 // bytes; lattice_step if positions were quantised; and with refinement within nodes splits and within_bytes, which is

@@ -10,7 +10,6 @@
 #include "command_files.h"
 #include "global_options.h"
 #include "hlod.h"
-#include "hlod/build/build_journal.h"
 #include "interrupt.h"
 #include "mesh/image_files.h"
 #include "occlod/base.h"
@@ -23,7 +22,6 @@
 namespace occlod::tool {
 namespace {
 
-constexpr std::uint64_t min_node_triangles = 16, max_node_triangles = 4096;
 constexpr int min_bits = 8, max_bits = 23;
 
 struct Options {
@@ -60,38 +58,6 @@ void check(const Options& options, CommandFiles& files) {
     throw CLI::ValidationError("--memory", "goes with --within geomorph only: splits of all nodes are kept in memory");
 }
 
-struct Built {
-  hlod::Hlod hlod;
-  MeshReport report;
-  double read_ms = 0.0;         // time for reading, where it comes first
-  std::size_t nodes_found = 0;  // in the journal
-};
-
-Built build_in_memory(const Options& options, Progress& progress) {
-  Built built;
-  const Stopwatch stopwatch;
-  const CleanMesh input = read_hlod_input(options.inputs, progress);
-  built.read_ms = stopwatch.milliseconds();
-  built.report = input.report;
-  built.hlod = build_hlod(input.mesh, build_options(options, progress), built.report, built.nodes_found);
-  return built;
-}
-
-Built build_streamed(const Options& options, Progress& progress) {
-  Built built;
-  const hlod::TriangleSource source = stream_hlod_input(options.inputs, progress);
-  built.hlod = build_hlod(source, build_options(options, progress), built.report, built.nodes_found);
-  return built;
-}
-
-void set_memory(Options& options, const std::string& text) {
-  constexpr std::uint64_t least = std::uint64_t{64} << 20U;
-  options.memory = byte_count(text);
-  if (!options.memory || *options.memory < least)
-    throw CLI::ValidationError(
-        "--memory", fmt::format("{} is not a number of bytes, or one with K, M or G, of at least 64M", shown(text)));
-}
-
 std::filesystem::path scratch_folder(const Options& options) {
   if (!options.scratch.empty()) return options.scratch;
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
@@ -112,7 +78,8 @@ void run(const Options& options) {
   Stopwatch stopwatch;
   std::optional<MemoryLimit> limit;
   if (options.memory) limit.emplace(*options.memory, scratch_folder(options));
-  const Built built = limit ? build_streamed(options, progress) : build_in_memory(options, progress);
+  const BuiltHlod built =
+      build_from_files(options.inputs, limit.has_value(), build_options(options, progress), progress);
   const double build_ms = stopwatch.restart();
   write_interruptibly(options.output, built.hlod.bytes(), progress, [&] {
     write_ohlod(options.output, built.hlod, built.report, options.compression, folder_of(options.inputs[0]));
@@ -146,10 +113,7 @@ void add_hlod_build(CLI::App& hlod) {
   add_file(command, "INPUT", options->inputs, "A scene (.json) or meshes (.ply, .obj, .off, .stl, .gltf or .glb)")
       ->required();
   add_file(command, "-o,--output", options->output, "File to write, .ohlod")->required();
-  add_number(command, "--node-triangles", options->build.node_triangles,
-             WholeRange{min_node_triangles, max_node_triangles},
-             "The most triangles that a node of the finest level has")
-      ->capture_default_str();
+  add_node_triangles(command, options->build.node_triangles);
   add_choice(command, "--grouping", options->build.grouping,
              {{"shifted", hlod::Grouping::shifted}, {"nested", hlod::Grouping::nested}},
              "shifted: borders move from level to level, so that no gap opens and none stays fine; nested: one octree");
@@ -177,12 +141,9 @@ void add_hlod_build(CLI::App& hlod) {
              {{"none", OlodCompression::none}, {"zstd", OlodCompression::zstd}},
              "zstd: meshes of nodes take half the bytes or less, none of them lost, and are unpacked one by one when "
              "used; none: the file is mapped into memory when used");
-  command
-      .add_option_function<std::string>(
-          "--memory", [options](const std::string& text) { set_memory(*options, text); },
-          "Stream the input and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files. The "
-          "result does not depend on how much. Not with --within splits, which keeps all nodes in memory")
-      ->option_text("BYTES");
+  add_memory(command, options->memory,
+             "Stream the input and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files. The "
+             "result does not depend on how much. Not with --within splits, which keeps all nodes in memory");
   add_name(command, "--scratch", options->scratch, "With --memory: folder for scratch files; else that of the output")
       ->needs("--memory");
   command.add_flag("--resume", options->resume,

@@ -22,6 +22,7 @@ constexpr std::uint64_t largest_port = 65535;
 struct Options {
   std::string folder;
   std::string cesium;
+  std::string host = "127.0.0.1";
   std::uint16_t port = 8080;
 };
 
@@ -32,10 +33,11 @@ void require_file(const std::string& folder, const std::string& name, const std:
 }
 
 void run(const Options& options) {
-  require_file(options.folder, "tileset.json", "make a tileset with 'occlod hlod export'");
+  require_file(options.folder, "tileset.json", "make a tileset with 'occlod tiles'");
   if (!options.cesium.empty())
     require_file(options.cesium, "Cesium.js", "name the folder Build/Cesium of the package cesium");
   ServerOptions server;
+  server.host = options.host;
   server.port = options.port;
   server.folders = {{"/tileset/", options.folder}};
   if (options.cesium.empty()) {
@@ -45,8 +47,9 @@ void run(const Options& options) {
     server.page = tiles_page("/cesium/");
     server.folders.push_back({"/cesium/", options.cesium});
   }
-  serve(server, [](std::uint16_t port) {
-    fmt::print("http://127.0.0.1:{}/\n", port);
+  serve(server, [&](std::uint16_t port) {
+    const bool is_ipv6 = options.host.find(':') != std::string::npos;
+    fmt::print("http://{}:{}/\n", is_ipv6 ? "[" + options.host + "]" : options.host, port);
     std::fflush(stdout);
   });
 }
@@ -54,10 +57,17 @@ void run(const Options& options) {
 }  // namespace
 
 void add_hlod_serve(CLI::App& hlod) {
-  CLI::App& command = *hlod.add_subcommand("serve", "Show a tileset in a browser of this machine, until Ctrl-C");
+  CLI::App& command = *hlod.add_subcommand("serve", "Show a tileset in a browser, until Ctrl-C");
   const auto options = std::make_shared<Options>();
   add_file(command, "FOLDER", options->folder, "A tileset, with a tileset.json")->required();
-  add_number(command, "--port", options->port, WholeRange{0, largest_port}, "Of 127.0.0.1; 0: any that is free")
+  command
+      .add_option(
+          "--host", options->host,
+          "Address of this machine on which to answer, in numbers; 0.0.0.0: all, for browsers of other machines")
+      ->transform(not_empty())
+      ->type_name("ADDRESS")
+      ->capture_default_str();
+  add_number(command, "--port", options->port, WholeRange{0, largest_port}, "0: any that is free")
       ->capture_default_str();
   add_file(
       command, "--cesium", options->cesium,

@@ -26,6 +26,8 @@ Json to_json(const Camera& camera) {
     json["orthographic_height"] = *camera.orthographic_height;
   else
     json["fov_y_deg"] = camera.fov_y_deg;
+  if (camera.principal_point != glm::dvec2(0.0))
+    json["principal_point"] = {camera.principal_point.x, camera.principal_point.y};
   json.update({{"width", camera.width}, {"height", camera.height}, {"near", camera.near}, {"far", camera.far}});
   return json;
 }

@@ -105,6 +105,7 @@ int run(int argc, char** argv) {
   add_simplify(app);
   add_cut(app);
   add_hlod(app);
+  add_tiles(app);
   add_cells(app);
 #ifdef OCCLOD_HAS_CGAL
   add_compare(app);

@@ -50,7 +50,7 @@ style.href = cesium + "Widgets/widgets.css";
 document.head.append(style);
 
 async function show() {
-  Cesium.RequestScheduler.requestsByServer["127.0.0.1:" + location.port] = 18;
+  Cesium.RequestScheduler.requestsByServer[location.hostname + ":" + (location.port || 80)] = 18;
   const viewer = new Cesium.Viewer("view", {
     animation: false, baseLayer: false, baseLayerPicker: false, fullscreenButton: false, geocoder: false, homeButton: false,
     infoBox: false, navigationHelpButton: false, sceneModePicker: false, selectionIndicator: false, timeline: false,

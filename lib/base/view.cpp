@@ -43,6 +43,15 @@ Camera orthographic(const Camera& camera) {
   Camera result = camera;
   const double half_tangent = std::tan(glm::radians(camera.fov_y_deg) / 2.0);
   result.orthographic_height = 2.0 * glm::distance(camera.eye, camera.target) * half_tangent;
+  if (camera.principal_point == glm::dvec2(0.0)) return result;
+  const glm::dvec3 forward = glm::normalize(camera.target - camera.eye);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, camera.up)), up = glm::cross(right, forward);
+  const double half = *result.orthographic_height / 2.0;
+  const glm::dvec3 to_middle =
+      -half * (camera.principal_point.x * camera.width / camera.height * right + camera.principal_point.y * up);
+  result.eye += to_middle;
+  result.target += to_middle;
+  result.principal_point = glm::dvec2(0.0);
   return result;
 }
 
@@ -216,6 +225,11 @@ void check(const Camera& camera) {
     refuse("size", "is not between 1x1 and 16384x16384 pixels", "give another size");
   if (camera.orthographic_height && !(*camera.orthographic_height > 0.0 && std::isfinite(*camera.orthographic_height)))
     refuse("orthographic_height", "is not a length above 0", "give what the image shows from bottom to top");
+  const glm::dvec2& principal = camera.principal_point;
+  if (!std::isfinite(principal.x) || !std::isfinite(principal.y))
+    refuse("principal_point", "is not finite", "give two numbers");
+  if (camera.orthographic_height && principal != glm::dvec2(0.0))
+    refuse("principal_point", "is not 0, and the camera is orthographic", "move the camera instead");
   if (!(camera.near > 0.0 && camera.far > camera.near && std::isfinite(camera.far)))
     refuse("near, far", "are not 0 < near < far", "give other distances");
 }
@@ -244,11 +258,120 @@ void View::project() {
     return;
   }
   const double half_angle = glm::radians(camera.fov_y_deg) / 2.0;
-  world_to_clip_ = glm::perspective(2.0 * half_angle, aspect, camera.near, camera.far) *
-                   glm::lookAt(camera.eye, camera.target, camera.up);
+  glm::dmat4 eye_to_clip = glm::perspective(2.0 * half_angle, aspect, camera.near, camera.far);
+  eye_to_clip[2].x -= camera.principal_point.x;
+  eye_to_clip[2].y -= camera.principal_point.y;
+  world_to_clip_ = eye_to_clip * glm::lookAt(camera.eye, camera.target, camera.up);
   focal_length_px_ = camera.height / 2.0 / std::tan(half_angle);
-  const glm::dvec2 corner = glm::dvec2(aspect, 1.0) * std::tan(half_angle);
+  const glm::dvec2 corner = glm::dvec2(aspect, 1.0) * std::tan(half_angle) * (1.0 + glm::abs(camera.principal_point));
   cos_corner_angle_ = 1.0 / std::sqrt(1.0 + glm::dot(corner, corner));
+}
+
+namespace {
+
+[[noreturn]] void refuse_matrix(const char* matrix, const char* problem, const char* remedy) {
+  throw Error({"view", matrix, problem, remedy});
+}
+
+constexpr double matrix_slack = 1e-5;  // matrices may be single-precision, and products of such
+
+// What a projection does to eye space. Clip x is x.scale times eye x, plus x.offset times w; likewise y.
+struct Lens {
+  struct Axis {
+    double scale, offset;
+  };
+  Axis x, y;
+  double z_scale, z_offset;  // clip z is z_scale times eye z, plus z_offset
+  double w_scale, w_offset;  // w is w_scale times eye z, plus w_offset: +-1 and 0 in perspective, else 0 and 1
+};
+
+Lens lens_of(const glm::dmat4& eye_to_clip) {
+  const char* const remedy = "give a perspective or an orthographic projection";
+  const glm::dvec4 w = glm::row(eye_to_clip, 3);
+  const bool is_perspective = w.z != 0.0 && w.w == 0.0, is_orthographic = w.z == 0.0 && w.w > 0.0;
+  if (w.x != 0.0 || w.y != 0.0 || !(is_perspective || is_orthographic))
+    refuse_matrix("eye_to_clip", "has a last row that is no view's", remedy);
+  const double unit = is_perspective ? std::abs(w.z) : w.w;
+  const glm::dvec4 x = glm::row(eye_to_clip, 0) / unit, y = glm::row(eye_to_clip, 1) / unit;
+  const glm::dvec4 z = glm::row(eye_to_clip, 2) / unit;
+  const double w_scale = w.z / unit;
+  const glm::dvec2 with_w = is_perspective ? w_scale * glm::dvec2(x.z, y.z) : glm::dvec2(x.w, y.w);
+  const glm::dvec2 without_w = is_perspective ? glm::dvec2(x.w, y.w) : glm::dvec2(x.z, y.z);
+  if (x.x == 0.0 || y.y == 0.0 || x.y != 0.0 || y.x != 0.0 || without_w != glm::dvec2(0.0))
+    refuse_matrix("eye_to_clip", "turns, shears or flattens the image", remedy);
+  if (z.x != 0.0 || z.y != 0.0)
+    refuse_matrix("eye_to_clip", "has an oblique near plane", "give the projection as it was before");
+  return {{x.x, with_w.x}, {y.y, with_w.y}, z.z, z.w, w_scale, w.w / unit};
+}
+
+// Returns the eye z where clip z is `depth` times w. Infinite or not a number if that is nowhere.
+double plane_at(const Lens& lens, double depth) {
+  return (depth * lens.w_offset - lens.z_offset) / (lens.z_scale - depth * lens.w_scale);
+}
+
+void require_rigid(const glm::dmat4& world_to_eye) {
+  bool is_rigid = finite(world_to_eye) && glm::row(world_to_eye, 3) == glm::dvec4(0, 0, 0, 1);
+  const glm::dmat3 square = glm::transpose(glm::dmat3(world_to_eye)) * glm::dmat3(world_to_eye);
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) is_rigid = is_rigid && std::abs(square[i][k] - (i == k ? 1.0 : 0.0)) <= matrix_slack;
+  if (!is_rigid)
+    refuse_matrix("world_to_eye", "is no rigid motion", "give a rotation and a translation, without scale");
+}
+
+}  // namespace
+
+View view_of(const glm::dmat4& world_to_eye, const glm::dmat4& eye_to_clip, int width, int height, ClipDepth depth) {
+  require_rigid(world_to_eye);
+  if (!finite(eye_to_clip)) refuse_matrix("eye_to_clip", "is not finite", "give 16 numbers");
+  Lens lens = lens_of(eye_to_clip);
+  const bool is_orthographic = lens.w_scale == 0.0;
+  const double z_near = plane_at(lens, depth == ClipDepth::minus_one_to_one ? -1.0
+                                       : depth == ClipDepth::zero_to_one    ? 0.0
+                                                                            : 1.0);
+  const double z_far = plane_at(lens, depth == ClipDepth::one_to_zero ? 0.0 : 1.0);
+  const double ahead = is_orthographic ? std::copysign(1.0, z_far - z_near) : lens.w_scale;
+
+  const glm::dmat3 turn(world_to_eye);
+  const glm::dvec3 forward = ahead * glm::normalize(glm::row(turn, 2));
+  const glm::dvec3 right = std::copysign(1.0, lens.x.scale) * glm::normalize(glm::row(turn, 0));
+  glm::dvec3 up = std::copysign(1.0, lens.y.scale) * glm::normalize(glm::row(turn, 1));
+  if (glm::dot(glm::cross(right, up), forward) > 0.0) {  // clip space has y down, or the world is left-handed
+    up = -up;
+    lens.y.offset = -lens.y.offset;
+  }
+  lens.x.scale = std::abs(lens.x.scale);
+  lens.y.scale = std::abs(lens.y.scale);
+
+  Camera camera;
+  camera.eye = solve(turn, -glm::dvec3(world_to_eye[3]));
+  camera.up = up;
+  camera.width = width;
+  camera.height = height;
+  camera.near = ahead * z_near;
+  camera.far = ahead * z_far;
+  if (is_orthographic) {
+    camera.orthographic_height = 2.0 / lens.y.scale;
+    camera.eye -= lens.x.offset / lens.x.scale * right + lens.y.offset / lens.y.scale * up;
+    const double range = camera.far - camera.near, back = camera.near > 0.0 ? 0.0 : range - camera.near;
+    camera.eye -= back * forward;
+    camera.near += back;
+    camera.far += back;
+  } else {
+    camera.fov_y_deg = glm::degrees(2.0 * std::atan(1.0 / lens.y.scale));
+    camera.principal_point = {lens.x.offset, lens.y.offset};
+    // Infinite, or beyond that, as where a projection leaves room for rounding.
+    const bool is_beyond = camera.far < 0.0 && camera.far < -1e5 * camera.near;
+    if (is_beyond || camera.far > infinite_far_ratio * camera.near) camera.far = infinite_far_ratio * camera.near;
+  }
+  if (!(camera.near > 0.0 && camera.far > camera.near))
+    refuse_matrix("eye_to_clip", "has no near plane before its far plane", "name the ClipDepth that it is made for");
+  // As far away as makes the direction exact to the last digits.
+  camera.target = camera.eye + std::max(1.0, glm::length(camera.eye)) * forward;
+  check(camera);
+  const double ratio = lens.x.scale * width / (lens.y.scale * height);
+  if (!(std::abs(ratio - 1.0) <= matrix_slack))
+    refuse_matrix("eye_to_clip", "makes pixels that are not square", "give the size of the image that it is made for");
+  return View(camera);
 }
 
 }  // namespace occlod

@@ -52,8 +52,11 @@ glm::dvec2 view_scale(const View& view) {
 }
 
 glm::dmat3 world_to_view(const View& view) {
-  const glm::dvec3 right = glm::normalize(glm::dvec3(glm::row(view.world_to_clip(), 0)));
-  const glm::dvec3 up = glm::normalize(glm::dvec3(glm::row(view.world_to_clip(), 1)));
+  // Off-centre, clip x and y grow with the distance too.
+  const glm::dvec2& principal = view.camera().principal_point;
+  const glm::dvec3 x(glm::row(view.world_to_clip(), 0)), y(glm::row(view.world_to_clip(), 1));
+  const glm::dvec3 right = glm::normalize(x - principal.x * view.direction());
+  const glm::dvec3 up = glm::normalize(y - principal.y * view.direction());
   return glm::transpose(glm::dmat3(right, up, -view.direction()));
 }
 
@@ -75,7 +78,7 @@ glm::dmat4 view_to_clip(const View& view) {
   } else {
     matrix[2].z = -(far + near) / (far - near);
     matrix[3].z = -2.0 * far * near / (far - near);
-    matrix[2].w = -1.0;
+    matrix[2] = {-view.camera().principal_point, matrix[2].z, -1.0};
   }
   return matrix;
 }

@@ -23,7 +23,8 @@ glm::dmat3 axes_of(const View& view) {
 bool have_one_lens(const Camera& a, const Camera& b) {
   const auto alike = [](double x, double y) { return std::abs(x - y) <= 1e-13 * x; };
   return !a.orthographic_height && !b.orthographic_height && a.width == b.width && a.height == b.height &&
-         alike(a.fov_y_deg, b.fov_y_deg) && alike(a.near, b.near) && alike(a.far, b.far);
+         a.principal_point == b.principal_point && alike(a.fov_y_deg, b.fov_y_deg) && alike(a.near, b.near) &&
+         alike(a.far, b.far);
 }
 
 // Returns whether m stretches all directions by `stretch`, its largest singular value: then all columns are equally

@@ -199,8 +199,9 @@ std::vector<std::array<glm::dvec3, 2>> frustum_edges(const View& view, double le
   const glm::dvec3 right = glm::normalize(glm::cross(view.direction(), camera.up));
   const glm::dvec3 up = glm::cross(right, view.direction());
   const glm::dvec2 half = glm::dvec2(camera.width, camera.height) / (2.0 * view.focal_length_px());
-  const std::array<glm::dvec3, 4> to_corners = {-half.x * right - half.y * up, half.x * right - half.y * up,
-                                                half.x * right + half.y * up, -half.x * right + half.y * up};
+  const glm::dvec2 low = (-1.0 - camera.principal_point) * half, high = (1.0 - camera.principal_point) * half;
+  const std::array<glm::dvec3, 4> to_corners = {low.x * right + low.y * up, high.x * right + low.y * up,
+                                                high.x * right + high.y * up, low.x * right + high.y * up};
   const bool parallel = view.is_orthographic();
   const auto corner = [&](std::size_t i, double distance) {
     return camera.eye + distance * view.direction() + (parallel ? 1.0 : distance) * to_corners[i % 4];

@@ -110,6 +110,7 @@ Camera camera_at(const CameraPath& path, int frame) {
   camera.fov_y_deg = glm::mix(a.fov_y_deg, b.fov_y_deg, t);
   if (camera.orthographic_height)  // set in all keys or none
     camera.orthographic_height = glm::mix(*a.orthographic_height, *b.orthographic_height, t);
+  camera.principal_point = glm::mix(a.principal_point, b.principal_point, t);
   camera.near = glm::mix(a.near, b.near, t);
   camera.far = glm::mix(a.far, b.far, t);
   return camera;

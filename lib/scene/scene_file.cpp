@@ -141,7 +141,8 @@ SceneObject read_object(const JsonPlace& object) {
 }
 
 Camera read_camera(const JsonPlace& place) {
-  place.expect_keys({"eye", "target", "up", "fov_y_deg", "near", "far", "width", "height", "orthographic_height"});
+  place.expect_keys(
+      {"eye", "target", "up", "fov_y_deg", "near", "far", "width", "height", "orthographic_height", "principal_point"});
   Camera camera;
   camera.eye = read_vector(place.at("eye"));
   camera.target = read_vector(place.at("target"));
@@ -153,6 +154,10 @@ Camera read_camera(const JsonPlace& place) {
     if (const auto angle = place.find("fov_y_deg"))
       angle->fail("cannot be combined with \"orthographic_height\"", "remove one of them");
     camera.orthographic_height = height->number();
+  }
+  if (const auto point = place.find("principal_point")) {
+    const std::vector<double> numbers = point->numbers(2);
+    camera.principal_point = {numbers[0], numbers[1]};
   }
   if (const auto width = place.find("width")) camera.width = width->integer(1);
   if (const auto height = place.find("height")) camera.height = height->integer(1);
@@ -283,6 +288,8 @@ Json camera_json(const Camera& camera) {
     json["orthographic_height"] = *camera.orthographic_height;
   else
     json["fov_y_deg"] = camera.fov_y_deg;
+  if (camera.principal_point != glm::dvec2(0.0))
+    json["principal_point"] = {camera.principal_point.x, camera.principal_point.y};
   return json;
 }
 

@@ -81,6 +81,7 @@ from ._occlod import (
     TextureMap,
     TextureOrigin,
     TextureWrap,
+    TilesetCounts,
     TraverseOptions,
     Traverser,
     UpAxis,
@@ -110,6 +111,7 @@ from ._occlod import (
 )
 from .interop import from_pyvista, from_trimesh, to_pyvista, to_trimesh
 from .picture import draw_objects, full_picture, picture
+from .tiles import write_tiles
 
 __version__ = version()
 
@@ -196,6 +198,7 @@ __all__ = [
     "TextureMap",
     "TextureOrigin",
     "TextureWrap",
+    "TilesetCounts",
     "TraverseOptions",
     "Traverser",
     "UpAxis",
@@ -232,4 +235,5 @@ __all__ = [
     "version",
     "visibility_names",
     "write_png",
+    "write_tiles",
 ]

@@ -30,6 +30,7 @@ void bind_auto_refiner(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_picture(nb::module_& m);
 void bind_hlod(nb::module_& m);
+void bind_tiles(nb::module_& m);
 void bind_device(nb::module_& m);
 void bind_traverse(nb::module_& m);
 void bind_cells(nb::module_& m);

@@ -55,6 +55,7 @@ NB_MODULE(_occlod, m) {
   bind_refiner(m);
   bind_auto_refiner(m);
   bind_hlod(m);
+  bind_tiles(m);
   bind_scene(m);
   bind_device(m);
   bind_traverse(m);

@@ -20,12 +20,14 @@ void bind_view(nb::module_& m) {
       .def(
           "__init__",
           [](Camera* self, glm::dvec3 eye, glm::dvec3 target, glm::dvec3 up, double fov_y_deg, int width, int height,
-             double near, double far, std::optional<double> orthographic_height) {
-            new (self) Camera{eye, target, up, fov_y_deg, width, height, near, far, orthographic_height};
+             double near, double far, std::optional<double> orthographic_height, std::pair<double, double> principal) {
+            new (self) Camera{eye,    target, up,  fov_y_deg,           width,
+                              height, near,   far, orthographic_height, {principal.first, principal.second}};
           },
           "eye"_a = standard.eye, "target"_a = standard.target, "up"_a = standard.up, nb::kw_only(),
           "fov_y_deg"_a = standard.fov_y_deg, "width"_a = standard.width, "height"_a = standard.height,
-          "near"_a = standard.near, "far"_a = standard.far, "orthographic_height"_a = nb::none())
+          "near"_a = standard.near, "far"_a = standard.far, "orthographic_height"_a = nb::none(),
+          "principal_point"_a = std::pair(0.0, 0.0))
       .def_rw("eye", &Camera::eye, "World space.")
       .def_rw("target", &Camera::target, "World space, not the eye.")
       .def_rw("up", &Camera::up, "Of any length, not along the line of sight.")
@@ -36,6 +38,13 @@ void bind_view(nb::module_& m) {
       .def_rw("far", &Camera::far, "Distance to the far plane, > near.")
       .def_rw("orthographic_height", &Camera::orthographic_height, nb::arg().none(),
               "World units from the lower to the upper border of the image; None: in perspective.")
+      .def_prop_rw(
+          "principal_point", [](const Camera& c) { return std::pair(c.principal_point.x, c.principal_point.y); },
+          [](Camera& c, std::pair<double, double> p) {
+            c.principal_point = {p.first, p.second};
+          },
+          "Where the line of sight meets the image, from -1 to 1 from left to right and from bottom to top, or\n"
+          "beyond; in perspective only.")
       .def("fitting_distance", &fitting_distance, "radius"_a,
            "The distance from which the camera sees all of a sphere of this radius in the middle of its image.")
       .def_static(

@@ -103,7 +103,11 @@ Camera HardViews::camera(const TriangleMesh& mesh, const glm::dmat4& object_to_w
   camera.near = chance(0.3) && depth > 0.0 ? depth : size * power_of_ten(-6, 0);
   camera.far = camera.near * (chance(0.3) ? 1e15 : power_of_ten(0.01, 9));
   if (chance(0.2) && depth > camera.near) camera.far = depth;
-  if (chance(0.25) && std::max(size, camera.far) < 1e15) camera.orthographic_height = size * power_of_ten(-6, 3);
+  if (chance(0.3)) camera.principal_point = {between(-2.0, 2.0), between(-2.0, 2.0)};
+  if (chance(0.25) && std::max(size, camera.far) < 1e15) {
+    camera.principal_point = glm::dvec2(0.0);
+    camera.orthographic_height = size * power_of_ten(-6, 3);
+  }
   return camera;
 }
 

@@ -102,11 +102,13 @@ class RefinerOperations {
         camera_.fov_y_deg = bytes.real(1.0, 179.0);
         camera_.width = 1 + static_cast<int>(bytes.number(300));
         camera_.height = 1 + static_cast<int>(bytes.number(300));
+        if (!camera_.orthographic_height) camera_.principal_point = {bytes.real(-1.5, 1.5), bytes.real(-1.5, 1.5)};
         break;
       case 10:
         camera_.target = {bytes.real(-2.0, 2.0), bytes.real(-2.0, 2.0), bytes.real(-2.0, 4.0)};
         break;
       case 11:
+        camera_.principal_point = glm::dvec2(0.0);
         if (bytes.number(2) == 0)
           camera_.orthographic_height.reset();
         else

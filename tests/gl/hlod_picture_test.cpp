@@ -73,6 +73,16 @@ TEST_P(HlodPicture, OrthographicViewsWork) {
   EXPECT_EQ(different_pixels(view_, expected.depth, depth_of_level(*device, 0)), 0U);
 }
 
+TEST_P(HlodPicture, OffCentreViewsWork) {
+  Camera camera = view_.camera();
+  camera.principal_point = {0.4, -0.3};
+  view_ = View(camera);
+  const auto device = make();
+  const ItemBuffer expected = items_of(level_mesh(sphere_hlod(), 0), view_);
+  EXPECT_EQ(different_pixels(view_, expected.depth, depth_of_level(*device, 0)), 0U);
+  EXPECT_GT(count_visible_items(expected, 100'000), 100U);
+}
+
 // Half way, and at the end where the parents' meshes have the same triangles but for those that vanish.
 TEST_P(HlodPicture, MorphsSlideToTheParents) {
   const auto device = make();

@@ -39,16 +39,22 @@ CullingOracle::CullingOracle(const Camera& camera, const glm::dmat4& object_to_w
   const double aspect = static_cast<double>(camera.width) / camera.height;
   focal_length_px_ = Number(camera.height / 2.0 / half * (1.0 - margin));
   const double one = length(ahead_);
-  // What the image shows to each side, at distance 1 or at any.
-  const Number half_x(half * aspect * (1.0 - margin) * length(right_)), half_y(half * (1.0 - margin) * length(up_));
-  const Vector none(0, 0, 0);
-  const Vector across = parallel_ ? none : half_x / Number(one) * ahead_;
-  const Vector along = parallel_ ? none : half_y / Number(one) * ahead_;
-  const Number offset_x = parallel_ ? half_x : Number(0), offset_y = parallel_ ? half_y : Number(0);
-  planes_ = {plane(across + right_, offset_x),
-             plane(across - right_, offset_x),
-             plane(along + up_, offset_y),
-             plane(along - up_, offset_y),
+  // What the image shows to the left (-1) or right (1), at distance 1 or at any; likewise below and above. Off-centre
+  // it may be less than nothing.
+  const auto shown = [&](int axis, int side) {
+    const double principal = camera.principal_point[axis];
+    const double halves = 1.0 - side * principal - margin * (1.0 + std::abs(principal));
+    return Number(half * (axis == 0 ? aspect : 1.0) * halves * length(axis == 0 ? right_ : up_));
+  };
+  const auto side_plane = [&](int axis, int side) {
+    const Vector inwards = Number(-side) * (axis == 0 ? right_ : up_);
+    if (parallel_) return plane(inwards, shown(axis, side));
+    return plane(shown(axis, side) / Number(one) * ahead_ + inwards, Number(0));
+  };
+  planes_ = {side_plane(0, -1),
+             side_plane(0, 1),
+             side_plane(1, -1),
+             side_plane(1, 1),
              plane(ahead_, Number(-camera.near * one * (1.0 + margin))),
              plane(-ahead_, Number(camera.far * one * (1.0 - margin)))};
 

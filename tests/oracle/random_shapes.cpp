@@ -49,7 +49,9 @@ View RandomShapes::view() {
   camera.width = static_cast<int>(in(20.0, 200.0));
   camera.height = static_cast<int>(in(20.0, 200.0));
   camera.near = 0.1;
-  if (below(4) == 0) camera.orthographic_height = in(1.0, 10.0), camera.far = in(5.0, 20.0);
+  if (below(3) == 0) camera.principal_point = {in(-1.5, 1.5), in(-1.5, 1.5)};
+  if (below(4) == 0)
+    camera.principal_point = glm::dvec2(0.0), camera.orthographic_height = in(1.0, 10.0), camera.far = in(5.0, 20.0);
   return View(camera);
 }
 

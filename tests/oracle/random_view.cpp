@@ -93,7 +93,9 @@ Camera random_camera(const TriangleMesh& mesh, RandomShapes& random) {
   camera.height = 16 + random.below(80);
   camera.near = radius * std::exp(random.in(std::log(1e-4), std::log(1e-2)));
   camera.far = 20.0 * radius;
+  if (random.below(3) == 0) camera.principal_point = {random.in(-1.5, 1.5), random.in(-1.5, 1.5)};
   if (random.below(4) == 0) {
+    camera.principal_point = glm::dvec2(0.0);
     camera.orthographic_height = radius * std::exp(random.in(std::log(0.03), std::log(4.0)));
     camera.far = 6.0 * radius;
   }

@@ -44,6 +44,18 @@ class Pictures(unittest.TestCase):
             with self.assertRaisesRegex(TypeError, r"looking_at\(\)"):
                 occlod.Camera.looking_at(wrong)
 
+    def test_off_centre_pictures_are_parts_of_larger_ones(self):
+        mesh, _ = planet(4)
+        draw = occlod.DrawObject(mesh.positions, mesh.triangles)
+        whole = occlod.Camera(eye=(0, 0, 3), fov_y_deg=90, width=128, height=96)
+        # Of the upper right quarter: the line of sight meets its lower left corner. tan(26.565 degrees) is half of tan(45 degrees).
+        part = occlod.Camera(eye=(0, 0, 3), fov_y_deg=2 * 26.56505117707799, width=64, height=48, principal_point=(-1, -1))
+        self.assertEqual(part.principal_point, (-1, -1))
+        quarter = occlod.draw_items([draw], whole).items[:48, 64:]
+        self.assertLess((occlod.draw_items([draw], part).items != quarter).mean(), 0.005)
+        part.principal_point = (0.5, 0)
+        self.assertGreater((occlod.draw_items([draw], part).items != quarter).mean(), 0.1)
+
     def test_shaded_and_written(self):
         mesh, hierarchy = planet(4)
         image = occlod.picture(mesh, VIEW, wire=False)

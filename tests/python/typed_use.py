@@ -31,7 +31,8 @@ def use() -> None:
     surface: tuple[tuple[occlod.Material, ...], tuple[occlod.Texture, ...]] = frame.materials(), frame.textures()
     origin: occlod.TextureOrigin = frame.texture_origin()
     hlod: occlod.Hlod = occlod.build_hlod(mesh, node_triangles=500, journal=pathlib.Path("a.journal"))
-    print(hlod, texture_coordinates, wedge_materials, surface, origin)
+    tiles: int = occlod.write_tiles("a.ply", "a_tiles", up=occlod.UpAxis.y, origin=(11.5, 48.1, 520)).tiles
+    print(hlod, tiles, texture_coordinates, wedge_materials, surface, origin)
     print(coordinates, box, triangles, count, objects, occlod.to_trimesh(mesh))
 
 

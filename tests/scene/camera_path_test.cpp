@@ -55,6 +55,13 @@ TEST(CameraPath, OrthographicHeightsLieBetweenTheirKeys) {
   EXPECT_DOUBLE_EQ(camera_at(path, 4).orthographic_height.value_or(0.0), 4.0);
 }
 
+TEST(CameraPath, PrincipalPointsLieBetweenTheirKeys) {
+  CameraPath path{{camera_from(0, 30), camera_from(4, 30)}, 5};
+  path.keys[1].principal_point = {1.0, -2.0};
+  EXPECT_EQ(camera_at(path, 0).principal_point, glm::dvec2(0.0));
+  EXPECT_EQ(camera_at(path, 1).principal_point, glm::dvec2(0.25, -0.5));
+}
+
 // Frames of one path are one film: a key's own size does not change it.
 TEST(CameraPath, JumpKeepsTheSizeOfTheFirstKey) {
   CameraPath path{{camera_from(0, 30), camera_from(4, 40)}, 2, true};

@@ -200,6 +200,9 @@ TEST_F(ReadScene, ChecksCameras) {
       {R"({"eye": [0, 0, 1], "target": [0, 0, 0], "orthographic_height": 0})", "/cameras/default"},
       {R"({"eye": [0, 0, 1], "target": [0, 0, 0], "orthographic_height": 1, "fov_y_deg": 45})",
        "/cameras/default/fov_y_deg"},
+      {R"({"eye": [0, 0, 1], "target": [0, 0, 0], "principal_point": [1]})", "/cameras/default/principal_point"},
+      {R"({"eye": [0, 0, 1], "target": [0, 0, 0], "orthographic_height": 1, "principal_point": [1, 0]})",
+       "/cameras/default"},
       {R"({"eye": [0, 0, 1], "target": [0, 0, 0], "fov": 45})", "/cameras/default/fov"},
   };
   for (const auto& [camera, place] : cameras)

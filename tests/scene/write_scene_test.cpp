@@ -26,6 +26,8 @@ SceneDescription some_scene() {
   scene.cameras["plan"] = scene.cameras["default"];
   scene.cameras["plan"].fov_y_deg = Camera().fov_y_deg;
   scene.cameras["plan"].orthographic_height = 1.0 / 3.0;
+  scene.cameras["shifted"] = scene.cameras["default"];
+  scene.cameras["shifted"].principal_point = {-1.0 / 3.0, 1.5};
   scene.cells = SceneCells{{{{0.1, 0.0, -1.0 / 3.0}, {1.0, 2.0, 3.0}}, {{5, 5, 5}, {5, 6, 7}}}, 16.5, 0.3, 12'345};
   scene.paths["hop"] = {{scene.cameras["default"], scene.cameras["plan"]}, 5, true};
   scene.paths["by"] = {{scene.cameras["default"], Camera{}}, 17};

@@ -15,7 +15,7 @@ LARGEST = 10**12
 BUILD, CUT, COMPARE = ["build", "a.ply", "-o", "a.olod"], ["cut", "a.olod", "-o", "a.ply"], ["compare", "a.ply", "b.ply"]
 REPAIR, VALIDATE, RENDER = ["repair", "a.ply", "-o", "b.ply"], ["validate", "a.olod"], ["render", "a.olod"]
 HLOD_BUILD, HLOD_VALIDATE = ["hlod", "build", "a.ply", "-o", "a.ohlod"], ["hlod", "validate", "a.ohlod"]
-HLOD_EXPORT = ["hlod", "export", "a.ohlod", "-o", "a"]
+HLOD_EXPORT, TILES = ["hlod", "export", "a.ohlod", "-o", "a"], ["tiles", "a.ply", "-o", "a"]
 HLOD_RENDER = ["hlod", "render", "a.ohlod"]
 CELLS_CHECK, CELLS_WALK = ["cells", "check", "a.vlod", "a.json"], ["cells", "walk", "a.vlod", "a.json", "--path", "p"]
 CELLS_BUILD, CELLS_INFO, CELLS_MERGE = ["cells", "build", "a.json", "-o", "a.vlod"], ["cells", "info", "a.vlod"], ["cells", "merge", "parts", "-o", "a.vlod"]
@@ -32,6 +32,9 @@ WHOLE = [
     (HLOD_VALIDATE, "--fronts", 0, 10**6),
     (HLOD_EXPORT, "--quantise", 0, 16),
     (HLOD_EXPORT, "--tiles-per-file", 1, 10**6),
+    (TILES, "--node-triangles", 16, 4096),
+    (TILES, "--quantise", 0, 16),
+    (TILES, "--threads", 0, 1024),
     *((HLOD_RENDER, option, low, 10**6) for option, low in (("--frames", 1), ("--reference", 0))),
     (CELLS_BUILD, "--budget", 1, LARGEST),
     (CELLS_BUILD, "--max-triangles", 0, LARGEST),

@@ -1,4 +1,4 @@
-"""`occlod hlod export`, by tileset_check.py; and that the checker refuses tilesets that are broken in one way each."""
+"""`occlod hlod export` and `occlod tiles`, by tileset_check.py; and that the checker refuses tilesets that are broken in one way each."""
 import base64
 import json
 import math
@@ -171,6 +171,24 @@ class Tileset(ToolTest):
         self.assertEqual(note.count("\n"), 1, note)  # the other is where it was when the .ohlod file was built
         self.assertIn("--images names the folder", note)
 
+    def test_vertices_that_no_triangle_uses(self):
+        """A sheet with islands of texture coordinates: coarse nodes keep vertices for finer ones to slide to, and tiles leave them out."""
+        n, lines = 24, ["vn 0 0 1"]
+        lines += [f"v {x} {y} {2 * math.sin(x / 3) * math.cos(y / 4):.6f}" for y in range(n + 1) for x in range(n + 1)]
+        lines += [f"vt {u / n:.6f} {v / n:.6f}" for turned in (False, True) for y in range(n + 1) for x in range(n + 1) for u, v in [(y, x) if turned else (x, y)]]
+        for y in range(n):
+            for x in range(n):
+                corner, island = y * (n + 1) + x + 1, (n + 1) ** 2 * ((x // 4 + y // 4) % 2)
+                lines.append("f " + " ".join(f"{v}/{v + island}/1" for v in (corner, corner + 1, corner + n + 2, corner + n + 1)))
+        (self.folder / "sheet.obj").write_text("\n".join(lines) + "\n")
+        self.build("planet.ohlod", inputs=["sheet.obj"])
+        vertices_of_nodes = sum(level["vertices"] for level in self.json_of("hlod", "info", "planet.ohlod")["level"])
+        for options in (["--skirts"], ["--quantise", 14], []):
+            self.export("--replace", *options)
+            self.assertGreaterEqual(self.check()["leaf_triangles"], 2 * n * n)
+        contents = [self.gltf(path) for path in (self.folder / "tiles/tiles").rglob("*.glb")]
+        self.assertLess(sum(gltf["accessors"][gltf["meshes"][0]["primitives"][0]["attributes"]["POSITION"]]["count"] for gltf in contents), vertices_of_nodes)
+
     def test_only_trees(self):
         self.json_of("hlod", "build", "planet.ply", "-o", "shifted.ohlod", "--node-triangles", 64)
         line = self.failure_of("hlod", "export", "shifted.ohlod", "-o", "tiles")
@@ -227,6 +245,77 @@ class Tileset(ToolTest):
         for options in ([], ["--quantise", "16", "--skirts"]):
             self.export("--replace", *options)
             self.assertGreaterEqual(self.check()["leaf_triangles"], 2 * TRIANGLES)
+
+
+class OneCommand(ToolTest):
+    """`occlod tiles` writes the bytes of `occlod hlod build` and `occlod hlod export`."""
+
+    def files_of(self, folder):
+        return {str(path.relative_to(self.folder / folder)): path.read_bytes() for path in (self.folder / folder).rglob("*") if path.is_file()}
+
+    def assert_as_by_two(self, inputs, build=(), export=()):
+        """Returns what the one command has told."""
+        told = self.json_of("tiles", *inputs, "-o", "one", "--replace", *build, *export)
+        self.succeed("hlod", "build", *inputs, "-o", "two.ohlod", "--grouping", "nested", "--borders", "free", *build)
+        self.succeed("hlod", "export", "two.ohlod", "-o", "two", "--replace", *export)
+        self.assertEqual(self.files_of("one"), self.files_of("two"))
+        self.assertEqual(told["tiles"], tileset_check.check(self.folder / "one")["contents"])
+        self.assert_has_keys(told, "inputs folder up tiles triangles bytes build_ms write_ms peak_bytes")
+        return told
+
+    def test_a_mesh(self):
+        self.make_planet()
+        self.assert_as_by_two(["planet.ply"])
+        self.assert_as_by_two(["planet.ply"], ["--node-triangles", 64, "--threads", 1], ["--quantise", 12, "--skirts", "--origin", "11.5,48.1,520"])
+        self.assert_as_by_two(["planet.ply"], ["--memory", "64M"], ["--up", "y"])
+        self.succeed("tiles", "planet.ply", "-o", "slash/", "--memory", "64M", "--up", "y")
+        self.assertEqual(self.files_of("slash"), self.files_of("one"))
+        self.make_planet("b.ply", 2)
+        self.assert_as_by_two(["planet.ply", "b.ply"])
+
+    def test_an_ohlod_file(self):
+        self.make_planet()
+        told = self.assert_as_by_two(["planet.ply"], export=["--skirts"])
+        again = self.json_of("tiles", "two.ohlod", "-o", "again", "--skirts")
+        self.assertEqual(self.files_of("again"), self.files_of("one"))
+        self.assertEqual((again["triangles"], "build_ms" in again), (told["triangles"], False))
+        for option, value in (("--memory", "64M"), ("--node-triangles", 64)):
+            done = self.run_tool("tiles", "two.ohlod", "-o", "bad", option, value)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+            self.assertIn(f"{option}: goes with meshes only", done.stderr)
+        self.succeed("hlod", "build", "planet.ply", "-o", "shifted.ohlod")
+        self.assertIn("shifted.ohlod: has shifted groups", self.failure_of("tiles", "shifted.ohlod", "-o", "bad"))
+        self.assertFalse((self.folder / "bad").exists())
+
+    def test_textures(self):
+        """In a folder of their own, in a scene, and in a GLB file."""
+        source = self.folder / "source"
+        source.mkdir()
+        (source / "quad.obj").write_text("mtllib quad.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3 4/4\n")
+        (source / "quad.mtl").write_text("newmtl a\nmap_Kd a b.png\n")
+        (source / "a b.png").write_bytes(base64.b64decode("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg=="))
+        (source / "scene.json").write_text('{"objects": [{"mesh": "quad.obj"}, {"mesh": "quad.obj", "position": [3, 0, 0]}],'
+                                           ' "cameras": {"default": {"eye": [0, 0, 4], "target": [0, 0, 0]}}}')
+        self.succeed("build", "source/quad.obj", "-o", "quad.olod")
+        self.succeed("cut", "quad.olod", "--error", 0, "-o", "quad.glb")
+        for name in ("source/quad.obj", "source/scene.json", "quad.glb"):
+            self.assertEqual(self.assert_as_by_two([name])["images_left_out"], [], name)
+            self.assertTrue((self.folder / "one/textures/0.png").exists(), name)
+
+    def test_folders(self):
+        """Refused before anything is read: there is no mesh."""
+        (self.folder / "foreign").mkdir()
+        (self.folder / "foreign/tileset.json").write_text("{}")
+        self.assertIn("has not written", self.failure_of("tiles", "none.ply", "-o", "foreign", "--replace"))
+        self.assertIn("none.ply", self.failure_of("tiles", "none.ply", "-o", "new"))
+        self.make_planet()
+        self.succeed("tiles", "planet.ply", "-o", "new")
+        before = self.files_of("new")
+        self.assertIn("holds a tileset already", self.failure_of("tiles", "planet.ply", "-o", "new"))
+        done = self.run_tool("tiles", "new/tiles/0/0.glb", "-o", "new", "--replace")
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+        self.assertIn("the folder holds an input", done.stderr)
+        self.assertEqual(self.files_of("new"), before)
 
 
 class Broken(ToolTest):

@@ -67,6 +67,7 @@ Camera random_camera(const TriangleMesh& mesh, double extent, Random& random) {
   camera.eye = camera.target + extent * std::pow(10.0, random.in(-3.0, 0.0)) * (random.point() + glm::dvec3(0.01));
   camera.up = {0.1, 0.9, 0.3};
   camera.fov_y_deg = random.in(5.0, 70.0);
+  if (random.below(3) == 0) camera.principal_point = {random.in(-1.0, 1.0), random.in(-1.0, 1.0)};
   camera.near = 1e-5 * extent;
   camera.far = 10.0 * extent;
   camera.width = camera.height = 96;

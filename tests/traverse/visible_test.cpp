@@ -93,6 +93,7 @@ TEST(NothingVisibleIsLost, InRandomViews) {
       std::vector<Camera> cameras;
       for (int i = 0; i < 20; ++i) cameras.push_back(random_camera(hlod->data().box, random));
       for (int i = 0; i < 20; i += 4) cameras[static_cast<std::size_t>(i)].orthographic_height = 1.0;
+      for (int i = 1; i < 20; i += 4) cameras[static_cast<std::size_t>(i)].principal_point = {-1.0 + 0.1 * i, 0.6};
       EXPECT_LT(expect_nothing_lost({{hlod}}, cameras), 0.8);  // or nothing was hidden at all
       expect_nothing_lost(two_copies(*hlod), cameras);
     }

@@ -99,8 +99,8 @@ Ray ray_through(const Camera& camera, const glm::dvec2& place) {
   const Axes axes = axes_of(camera);
   const double half_height = camera.orthographic_height ? *camera.orthographic_height / 2.0 : half_tangent(camera);
   const double half_width = half_height * camera.width / camera.height;
-  const glm::dvec3 aside =
-      (2.0 * place.x - 1.0) * half_width * axes.right + (1.0 - 2.0 * place.y) * half_height * axes.up;
+  const glm::dvec3 aside = (2.0 * place.x - 1.0 - camera.principal_point.x) * half_width * axes.right +
+                           (1.0 - 2.0 * place.y - camera.principal_point.y) * half_height * axes.up;
   return camera.orthographic_height ? Ray{camera.eye + aside, axes.ahead} : Ray{camera.eye, axes.ahead + aside};
 }
 

@@ -21,9 +21,23 @@ constexpr std::size_t max_notices = 4;
 constexpr std::size_t max_notes = 2;  // about one file
 
 nlohmann::json key_of(const Camera& c) {
-  return {c.eye.x,    c.eye.y, c.eye.z, c.target.x, c.target.y,
-          c.target.z, c.up.x,  c.up.y,  c.up.z,     c.fov_y_deg,
-          c.near,     c.far,   c.width, c.height,   c.orthographic_height.value_or(0.0)};
+  return {c.eye.x,
+          c.eye.y,
+          c.eye.z,
+          c.target.x,
+          c.target.y,
+          c.target.z,
+          c.up.x,
+          c.up.y,
+          c.up.z,
+          c.fov_y_deg,
+          c.near,
+          c.far,
+          c.width,
+          c.height,
+          c.orthographic_height.value_or(0.0),
+          c.principal_point.x,
+          c.principal_point.y};
 }
 
 // Returns keys that are equal exactly when jobs for the same objects are.

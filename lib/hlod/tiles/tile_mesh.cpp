@@ -156,6 +156,29 @@ bool has_area(const TriangleMesh& mesh, const Triangle& t) {
   return a != b && b != c && c != a;
 }
 
+// Drops the vertices that no triangle uses; the others keep their order. Nodes have some where the input has seams:
+// they are there for vertices of finer nodes to slide to.
+void drop_unused_vertices(TriangleMesh& mesh) {
+  std::vector<VertexId> place(mesh.positions.size(), no_id);
+  for (const Triangle& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k) place[t[k]] = 0;
+  VertexId used = 0;
+  for (VertexId& p : place)
+    if (p != no_id) p = used++;
+  if (used == place.size()) return;
+  const auto keep_used = [&](auto& values) {
+    if (values.empty()) return;
+    for (std::size_t v = 0; v < place.size(); ++v)
+      if (place[v] != no_id) values[place[v]] = values[v];
+    values.resize(used);
+  };
+  keep_used(mesh.positions);
+  keep_used(mesh.normals);
+  keep_used(mesh.colors);
+  keep_used(mesh.texture_coordinates);
+  for (Triangle& t : mesh.triangles) t = {place[t.x], place[t.y], place[t.z]};
+}
+
 void take_materials(TriangleMesh& mesh, const hlod::NodeMesh& node) {
   if (node.materials.empty()) return;
   for (const Triangle& t : mesh.triangles) mesh.triangle_materials.push_back(node.materials[t.x]);
@@ -193,6 +216,7 @@ TileMesh tile_mesh(const hlod::Hlod& hlod, hlod::NodeId n, double crease_deg, co
   mesh.materials.resize(hlod.data().materials.size());
   if (!mesh.normals.empty()) {
     take_materials(mesh, node);
+    drop_unused_vertices(mesh);
     return {std::move(mesh)};
   }
   std::erase_if(mesh.triangles, [&](const Triangle& t) { return !has_area(mesh, t); });

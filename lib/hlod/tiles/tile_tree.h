@@ -71,6 +71,9 @@ std::uint64_t write_tileset_json(AtomicFolder& folder, const TileTree& tree, con
 // Earth-fixed metres. At the poles, east is the limit along the meridian of the given longitude.
 [[nodiscard]] glm::dmat4 east_north_up(const GeodeticOrigin& origin);
 
+// Throws what write_tileset() throws for these options.
+void check_tileset_options(const TilesetOptions& options);
+
 // The most tiles in a .json file, unless those of one with its children are more.
 inline constexpr std::uint32_t usual_tiles_per_file = 1000;
 // As without a number of tiles in a file, >= 1.

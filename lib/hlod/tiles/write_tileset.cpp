@@ -176,6 +176,13 @@ std::string first_other(const fs::path& folder, const std::set<std::string>& fil
 
 }  // namespace
 
+hlod::HlodBuildOptions build_options() {
+  hlod::HlodBuildOptions options;
+  options.grouping = hlod::Grouping::nested;
+  options.borders = hlod::Borders::free;
+  return options;
+}
+
 void check_tileset_output(const fs::path& folder, bool replace) {
   AtomicFolder::check(folder);
   std::error_code error;
@@ -191,11 +198,7 @@ void check_tileset_output(const fs::path& folder, bool replace) {
   if (!replace) fail(folder, "holds a tileset already", "choose a new folder, or replace it with --replace");
 }
 
-namespace {
-
-constexpr std::size_t max_levels = 100;  // files may be nested as deeply
-
-void check(const TilesetOptions& options) {
+void check_tileset_options(const TilesetOptions& options) {
   const OptionChecker checker("tileset options");
   if (options.quantise_bits && *options.quantise_bits != 0)
     checker.in_range("quantise_bits", *options.quantise_bits, 8, 16);
@@ -208,6 +211,10 @@ void check(const TilesetOptions& options) {
     throw Error({"tileset options", "", "this build of occlod has no EXT_meshopt_compression",
                  "build it with meshoptimizer, or write without compression"});
 }
+
+namespace {
+
+constexpr std::size_t max_levels = 100;  // files may be nested as deeply
 
 void check(const hlod::Hlod& hlod) {
   const hlod::HlodView& view = hlod.data();
@@ -318,7 +325,7 @@ TilesetCounts write_tileset(const std::filesystem::path& folder, const hlod::Hlo
 
 TilesetCounts write_tileset(const std::filesystem::path& folder, const hlod::Hlod& hlod, const TilesetOptions& options,
                             std::uint32_t tiles_per_file) {
-  check(options);
+  check_tileset_options(options);
   check(hlod);
   check_tileset_output(folder, options.replace);
   return TilesetWriter(folder, hlod, options, tiles_per_file).run();

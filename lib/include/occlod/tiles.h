@@ -9,9 +9,14 @@
 #include <string>
 #include <vector>
 
+#include "occlod/build_hlod.h"
 #include "occlod/hlod.h"
 
 namespace occlod::tiles {
+
+// Returns how to build an HLOD that becomes a tileset: nested groups, since tiles form a tree, with free borders, so
+// that coarse tiles do not keep the fine triangles at their edges.
+[[nodiscard]] hlod::HlodBuildOptions build_options();
 
 // How the contents of tiles are compressed.
 enum class Compression {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <optional>
@@ -26,12 +27,17 @@ struct Camera {
   // World units from the lower to the upper border of the image, > 0. When set, all rays are parallel to the line of
   // sight.
   std::optional<double> orthographic_height = std::nullopt;
+  // Where the line of sight meets the image, from -1 at its left and lower border to 1 at its right and upper one, or
+  // beyond: not 0 in stereo, in tiles of larger images and after a shift of the lens. In perspective only: an
+  // orthographic camera is moved instead.
+  glm::dvec2 principal_point{0.0};
 
   friend bool operator==(const Camera&, const Camera&) = default;
 };
 
 // Returns the distance (world units) at which a sphere of this radius (world units) in the middle of the image is seen
-// whole, with a fiftieth to spare. An orthographic camera is treated as if it were in perspective.
+// whole, with a fiftieth to spare. An orthographic camera is treated as if it were in perspective, and the line of
+// sight as if it met the middle.
 [[nodiscard]] double fitting_distance(const Camera& camera, double radius);
 
 // Returns the camera moved to where it sees a whole sphere or box, from ahead, a little from above and from the right:
@@ -75,7 +81,7 @@ class View {
   [[nodiscard]] double scale_px_at(double nearness) const noexcept {
     return is_orthographic() ? focal_length_px_ : focal_length_px_ * nearness;
   }
-  // Returns the cosine of the angle between the line of sight and the rays to the corners of the image.
+  // Returns the cosine of the largest angle between the line of sight and the rays to the corners of the image.
   [[nodiscard]] double cos_corner_angle() const noexcept { return cos_corner_angle_; }
 
  private:
@@ -87,6 +93,26 @@ class View {
   double focal_length_px_ = 0.0;
   double cos_corner_angle_ = 1.0;
 };
+
+// What z / w is on the near and on the far plane.
+enum class ClipDepth {
+  minus_one_to_one,  // OpenGL
+  zero_to_one,       // Vulkan, Direct3D, Metal, WebGPU
+  one_to_zero,       // the same reversed
+};
+
+// Without a far plane, a View has one at so many times the distance of the near one.
+inline constexpr double infinite_far_ratio = 1e12;
+
+// Returns the view of a program that has matrices: `world_to_eye`, a rigid motion, mirrored or not, and `eye_to_clip`,
+// a perspective projection, off-centre or not, with a far plane or none, or an orthographic one. Both multiply columns
+// from the left. width and height are those of the image in pixels, 1 to 16,384. The view shows what they show, pixel
+// for pixel, also where clip space has y down (Vulkan); of a left-handed world it shows the image upside down. Its own
+// clip space is that of View in any case. An orthographic view whose near plane is not before its eye gets an eye
+// farther back. Throws Error for matrices that are not finite or none of these, for pixels that are not square (by more
+// than 1e-5 of their size), and when near and far are not as `depth` says. O(1).
+[[nodiscard]] View view_of(const glm::dmat4& world_to_eye, const glm::dmat4& eye_to_clip, int width, int height,
+                           ClipDepth depth = ClipDepth::minus_one_to_one);
 
 // A view in the space of one object. Immutable.
 class ObjectView {

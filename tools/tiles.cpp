@@ -1,0 +1,119 @@
+// Implements `occlod tiles INPUT... -o FOLDER`: 3D Tiles of meshes, a scene or an HLOD, as `hlod build` and
+// `hlod export` make them one after the other.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command_files.h"
+#include "commands.h"
+#include "global_options.h"
+#include "hlod.h"
+#include "interrupt.h"
+#include "mesh/image_files.h"
+#include "occlod/base.h"
+#include "occlod/node_store.h"
+#include "option_values.h"
+#include "peak_bytes.h"
+#include "stopwatch.h"
+#include "tileset_output.h"
+
+namespace occlod::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::vector<std::string> inputs;
+  TilesetOutput output;
+  hlod::HlodBuildOptions build = tiles::build_options();
+  std::optional<std::size_t> memory;
+  ShowProgress progress = ShowProgress::automatic;
+  bool json = false;
+};
+
+bool is_hlod(const Options& options) {
+  return options.inputs.size() == 1 && fs::path(options.inputs[0]).extension() == ".ohlod";
+}
+
+// The whole folder is replaced, so no input may lie in it.
+void refuse_inputs_in(const TilesetOutput& output, const std::vector<std::string>& inputs) {
+  std::error_code ignored;
+  const fs::path folder = fs::weakly_canonical(output.folder, ignored);
+  for (const std::string& input : inputs) {
+    const fs::path file = fs::weakly_canonical(input, ignored);
+    if (std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end())
+      throw CLI::ValidationError("--output", "the folder holds an input, " + shown(input) + "; choose another folder");
+  }
+}
+
+// Returns the folder in which the output is made, whether its name ends in a slash or not.
+fs::path folder_beside(fs::path output) {
+  if (!output.has_filename()) output = output.parent_path();
+  return folder_of(output);
+}
+
+void check(const Options& options, const CLI::App& command) {
+  if (is_hlod(options))
+    for (const char* const option : {"--node-triangles", "--memory"})
+      if (command.count(option) > 0)
+        throw CLI::ValidationError(option, "goes with meshes only: an .ohlod file is built already");
+  refuse_inputs_in(options.output, options.inputs);
+  check(options.output);
+}
+
+void run(const Options& options) {
+  handle_interrupts("tiles");
+  Progress progress(options.progress);
+  Stopwatch stopwatch;
+  std::optional<MemoryLimit> limit;  // ends after what it holds
+  if (options.memory) limit.emplace(*options.memory, folder_beside(options.output.folder));
+  BuiltHlod built;
+  if (is_hlod(options)) {
+    OhlodFile file = read_nested_ohlod(options.inputs[0]);
+    built.hlod = std::move(file.hlod);
+    built.report = std::move(file.report);
+    built.read_ms = stopwatch.milliseconds();
+  } else {
+    hlod::HlodBuildOptions build = options.build;
+    build.progress = [&progress, what = "building " + options.output.folder](double done) {
+      progress.show(what, done);
+      return true;
+    };
+    built = build_from_files(options.inputs, limit.has_value(), build, progress);
+  }
+  const double build_ms = stopwatch.restart() - built.read_ms;
+  Json result = {{"inputs", options.inputs}};
+  result.update(write_tileset(options.output, built.hlod, folder_of(options.inputs[0]), progress));
+  if (!limit) result["read_ms"] = built.read_ms;
+  if (!is_hlod(options)) result["build_ms"] = build_ms;
+  result["write_ms"] = stopwatch.milliseconds();
+  result["peak_bytes"] = peak_bytes();
+  print_result(result, built.report.left_out, options.json);
+}
+
+}  // namespace
+
+void add_tiles(CLI::App& app) {
+  CLI::App& command = *app.add_subcommand("tiles", "Write meshes, a scene or an .ohlod file as 3D Tiles");
+  const auto options = std::make_shared<Options>();
+  add_file(command, "INPUT", options->inputs,
+           "Meshes (.ply, .obj, .off, .stl, .gltf or .glb), a scene (.json), or an .ohlod file of nested groups")
+      ->required();
+  add_tileset_output(command, options->output);
+  add_node_triangles(command, options->build.node_triangles);
+  add_memory(command, options->memory,
+             "Stream the input and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files "
+             "beside FOLDER");
+  command.callback([options, &command] {
+    read_global_options(command,
+                        {.json = &options->json, .progress = &options->progress, .threads = &options->build.threads});
+    check(*options, command);
+    run(*options);
+  });
+}
+
+}  // namespace occlod::tool
