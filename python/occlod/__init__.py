@@ -108,6 +108,7 @@ from ._occlod import (
     visibility_names,
     write_png,
 )
+from ._simplify import simplify
 from .interop import from_pyvista, from_trimesh, to_pyvista, to_trimesh
 from .picture import draw_objects, full_picture, picture
 
@@ -227,6 +228,7 @@ __all__ = [
     "read_mesh",
     "read_mesh_and_report",
     "shade",
+    "simplify",
     "to_pyvista",
     "to_trimesh",
     "version",
