@@ -109,7 +109,7 @@ from ._occlod import (
     write_png,
 )
 from ._simplify import simplify
-from .interop import from_pyvista, from_trimesh, to_pyvista, to_trimesh
+from .interop import from_open3d, from_pyvista, from_trimesh, to_open3d, to_pyvista, to_trimesh
 from .picture import draw_objects, full_picture, picture
 
 __version__ = version()
@@ -213,6 +213,7 @@ __all__ = [
     "draw_items",
     "draw_objects",
     "eye_model",
+    "from_open3d",
     "from_pyvista",
     "from_trimesh",
     "full_picture",
@@ -229,6 +230,7 @@ __all__ = [
     "read_mesh_and_report",
     "shade",
     "simplify",
+    "to_open3d",
     "to_pyvista",
     "to_trimesh",
     "version",

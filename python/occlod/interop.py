@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import warnings
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy
 import numpy.typing
 
 from ._errors import Error
-from ._occlod import Material, Mesh, TextureOrigin, nearest_points
+from ._occlod import Material, Mesh, Texture, TextureOrigin, nearest_points
+from ._trimesh_materials import MaterialsFrom, material_to
 
 if TYPE_CHECKING:
     import open3d
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 _Array = numpy.typing.NDArray[Any]
 
 
-@dataclass
+@dataclasses.dataclass
 class Soup:
     """A mesh as other packages hold it, with attributes by vertex, by corner or by face."""
 
@@ -33,29 +34,49 @@ class Soup:
     coordinates: _Array | None = None  # (n, 2), v grows upwards
     corner_coordinates: _Array | None = None  # (3 * m, 2)
     face_colors: _Array | None = None  # (m, 4) uint8
-    face_materials: _Array | None = None  # (m,) any integers
-    point_data: dict[str, _Array] = field(default_factory=dict)  # what a Mesh has no place for, by vertex
-    lost: list[str] = field(default_factory=list)  # what it has no place for otherwise, in words
+    face_materials: _Array | None = None  # (m,) ids of `materials`, or, without these, any integers
+    materials: list[Material] = dataclasses.field(default_factory=list)
+    textures: list[Texture] = dataclasses.field(default_factory=list)
+    point_data: dict[str, _Array] = dataclasses.field(default_factory=dict)  # what a Mesh has no place for, by vertex
+    lost: list[str] = dataclasses.field(default_factory=list)  # what it has no place for otherwise, in words
+
+    def by_vertex(self) -> Soup:
+        """With a vertex for each corner where something belongs to corners or faces: clean() welds them."""
+        if all(values is None for values in (self.corner_coordinates, self.face_colors, self.face_materials)):
+            return self
+        positions, corner = numpy.asarray(self.positions), numpy.asarray(self.triangles).reshape(-1)
+        _require_ids(corner, len(positions))
+        coordinates, colors = self.corner_coordinates, self.face_colors
+        return dataclasses.replace(
+            self,
+            positions=positions[corner],
+            triangles=numpy.arange(len(corner), dtype=numpy.uint32).reshape(-1, 3),
+            normals=_taken(self.normals, corner),
+            colors=_taken(self.colors, corner) if colors is None else numpy.repeat(colors, 3, axis=0),
+            coordinates=_taken(self.coordinates, corner) if coordinates is None else coordinates,
+            corner_coordinates=None,
+            face_colors=None,
+        )
 
     def mesh(self) -> Mesh:
-        """With a vertex for each corner where something belongs to corners or faces: clean() welds them."""
-        positions, triangles = numpy.asarray(self.positions), numpy.asarray(self.triangles)
-        normals, colors, coordinates = self.normals, self.colors, self.coordinates
-        if any(values is not None for values in (self.corner_coordinates, self.face_colors, self.face_materials)):
-            corner = triangles.reshape(-1)
-            _require_ids(corner, len(positions))
-            positions, triangles = positions[corner], numpy.arange(len(corner), dtype=numpy.uint32).reshape(-1, 3)
-            normals, colors, coordinates = (_taken(values, corner) for values in (normals, colors, coordinates))
-            coordinates = coordinates if self.corner_coordinates is None else self.corner_coordinates
-            colors = colors if self.face_colors is None else numpy.repeat(self.face_colors, 3, axis=0)
-        numbers, materials = None, []
-        if self.face_materials is not None:
-            known, numbers = numpy.unique(self.face_materials, return_inverse=True)
+        """For clean() to weld."""
+        soup, numbers, materials = self.by_vertex(), self.face_materials, self.materials
+        if numbers is not None and not materials:
+            known, numbers = numpy.unique(numbers, return_inverse=True)
             materials = [Material(str(number)) for number in known]
-        return Mesh(positions, triangles, normals, colors, coordinates, triangle_materials=numbers, materials=materials)
+        return Mesh(
+            soup.positions,
+            soup.triangles,
+            soup.normals,
+            soup.colors,
+            soup.coordinates,
+            triangle_materials=numbers,
+            materials=materials,
+            textures=self.textures,
+        )
 
     def materials_of(self, mesh: Mesh) -> _Array | None:
-        """`face_materials` of what mesh() has become."""
+        """`face_materials` of what mesh() without `materials` has become."""
         if self.face_materials is None:
             return None
         known = numpy.unique(self.face_materials)
@@ -159,22 +180,24 @@ def _fitting(data: Mapping[str, Any], count: int) -> tuple[dict[str, _Array], li
 
 
 def soup_of_trimesh(mesh: trimesh.Trimesh) -> Soup:
-    """Normals are left to trimesh, which computes them."""
+    """Without materials. Normals are left to trimesh, which computes them."""
     soup = Soup(mesh.vertices, mesh.faces)
+    soup.point_data, unfitting = _fitting(mesh.vertex_attributes, len(mesh.vertices))
+    soup.lost += named("vertex attribute", unfitting) + named("face attribute", mesh.face_attributes)
     visual = mesh.visual
     if visual.kind == "vertex":
         soup.colors = rgba_of(visual.vertex_colors)
     elif visual.kind == "face":
         soup.face_colors = rgba_of(visual.face_colors)
     elif visual.kind == "texture":
-        uv = None if visual.uv is None else numpy.asarray(visual.uv)
-        if uv is not None and uv.shape[1] >= 2:
-            soup.coordinates = uv[:, :2]
+        by_vertex, unfitting = _fitting(visual.vertex_attributes, len(mesh.vertices))
+        uv, colors = by_vertex.pop("uv", None), by_vertex.pop("color", None)
+        soup.coordinates = None if uv is None else uv[:, :2]
+        soup.colors = None if colors is None else rgba_of(colors)
+        soup.lost += named("attribute of the visual", [*by_vertex, *unfitting])
         materials = getattr(visual, "face_materials", None)
         if materials is not None and len(materials) == len(mesh.faces):
             soup.face_materials = numpy.asarray(materials)
-    soup.point_data, unfitting = _fitting(mesh.vertex_attributes, len(mesh.vertices))
-    soup.lost += named("vertex attribute", unfitting) + named("face attribute", mesh.face_attributes)
     return soup
 
 
@@ -182,50 +205,117 @@ def trimesh_like(like: trimesh.Trimesh, soup: Soup, mesh: Mesh) -> trimesh.Trime
     """What has become of a mesh of trimesh, with its material and metadata."""
     import trimesh
 
-    wedges, triangles = vertices_of(mesh, None if soup.colors is None else mesh.colors, mesh.texture_coordinates)
+    colors = None if soup.colors is None else mesh.colors
+    wedges, triangles = vertices_of(mesh, colors, mesh.texture_coordinates)
     result = trimesh.Trimesh(coordinates_of(mesh)[wedges], triangles, process=False, metadata=copy.deepcopy(like.metadata))
     result.vertex_attributes.update(soup.point_data_at(result.vertices))
-    if soup.colors is not None:
-        result.visual = trimesh.visual.ColorVisuals(result, vertex_colors=mesh.colors[wedges])
-    elif soup.face_colors is not None:
-        result.visual = trimesh.visual.ColorVisuals(result, face_colors=mesh.colors[mesh.wedge_triangles[:, 0]])
-    elif like.visual.kind == "texture":
-        result.visual = trimesh.visual.TextureVisuals(
+    if like.visual.kind == "texture":
+        visual = trimesh.visual.TextureVisuals(
             uv=_taken(mesh.texture_coordinates, wedges), material=like.visual.material.copy(), face_materials=soup.materials_of(mesh)
         )
+        if colors is not None:
+            visual.vertex_attributes["color"] = colors[wedges]
+        result.visual = visual
+    elif colors is not None:
+        result.visual = trimesh.visual.ColorVisuals(result, vertex_colors=colors[wedges])
+    elif soup.face_colors is not None:
+        result.visual = trimesh.visual.ColorVisuals(result, face_colors=mesh.colors[mesh.wedge_triangles[:, 0]])
     return result
 
 
-def from_trimesh(mesh: trimesh.Trimesh) -> Mesh:
-    """A copy, with vertex colours or texture coordinates where the mesh has such. Build from its clean(): trimesh keeps
-    equal positions apart."""
-    kind = mesh.visual.kind
-    colors = mesh.visual.vertex_colors if kind == "vertex" else None
-    return Mesh(
-        mesh.vertices,
-        mesh.faces,
-        colors=None if colors is None else numpy.asarray(colors, numpy.uint8),
-        texture_coordinates=mesh.visual.uv if kind == "texture" else None,
+def _soup_with_materials(mesh: trimesh.Trimesh, look: MaterialsFrom) -> Soup:
+    """With ids of the materials of `look`, to which its own are added."""
+    soup, first = soup_of_trimesh(mesh), len(look.materials)
+    look.add(mesh.visual.material if mesh.visual.kind == "texture" else None)
+    soup.face_materials = numpy.full(len(mesh.faces), first) if soup.face_materials is None else first + soup.face_materials
+    soup.lost += named("vertex attribute", soup.point_data)
+    return soup
+
+
+def _joined(parts: list[tuple[_Array, Soup]]) -> Soup:
+    """One of several at their places. What one of them lacks is white, or (0, 0)."""
+    soups = [soup.by_vertex() for _, soup in parts]
+    firsts = numpy.cumsum([0] + [len(soup.positions) for soup in soups])
+
+    def filled(name: str, nothing: _Array) -> _Array | None:
+        values = [getattr(soup, name) for soup in soups]
+        if all(value is None for value in values):
+            return None
+        return numpy.vstack([numpy.tile(nothing, (len(soup.positions), 1)) if value is None else value for soup, value in zip(soups, values)])
+
+    positions, triangles = [], []
+    for (place, _), soup, first in zip(parts, soups, firsts):
+        faces = numpy.asarray(soup.triangles) + first
+        positions.append(soup.positions @ place[:3, :3].T + place[:3, 3])
+        triangles.append(faces if numpy.linalg.det(place[:3, :3]) >= 0 else faces[:, ::-1])
+    return Soup(
+        numpy.vstack(positions),
+        numpy.vstack(triangles),
+        colors=filled("colors", numpy.full(4, 255, numpy.uint8)),
+        coordinates=filled("coordinates", numpy.zeros(2)),
+        face_materials=numpy.concatenate([soup.face_materials for soup in soups]),
     )
+
+
+def _soup_of_scene(scene: trimesh.Scene, look: MaterialsFrom) -> Soup:
+    known: dict[str, Soup] = {}
+    lost: list[str] = []
+    for name, part in scene.geometry.items():
+        if is_of(part, "trimesh", "Trimesh"):
+            known[name] = _soup_with_materials(part, look)
+            lost += [f'{text} of "{name}"' for text in known[name].lost]
+        else:
+            lost.append(f'{type(part).__name__} "{name}"')
+    places = [scene.graph.get(node) for node in scene.graph.nodes_geometry]
+    parts = [(numpy.asarray(place), known[name]) for place, name in places if name in known]
+    if not parts:
+        raise Error("scene", "", "has no meshes", "give one with meshes")
+    soup = _joined(parts)
+    soup.lost = lost
+    return soup
+
+
+def from_trimesh(mesh: trimesh.Trimesh | trimesh.Scene) -> Mesh:
+    """A copy, with texture coordinates, colours of vertices or faces, materials and their images; of a scene all meshes, at
+    their places. A warning names what is left out. Build from its clean(): trimesh keeps equal positions apart. TypeError for
+    anything else."""
+    look = MaterialsFrom()
+    if is_of(mesh, "trimesh", "Trimesh"):
+        soup = _soup_with_materials(mesh, look)
+    elif is_of(mesh, "trimesh", "Scene"):
+        soup = _soup_of_scene(mesh, look)
+    else:
+        raise TypeError(f"from_trimesh: {type_name(mesh)} is no mesh of trimesh; give a trimesh.Trimesh or trimesh.Scene")
+    warn_lost("from_trimesh", soup.lost + look.lost, stacklevel=2)
+    if look.has_any():
+        soup.materials, soup.textures = look.materials, look.textures
+    if len(look.materials) == 1 or not look.has_any():
+        soup.face_materials = None
+    return soup.mesh()
 
 
 def to_trimesh(mesh: Mesh) -> trimesh.Trimesh:
     """A copy: trimesh computes in float64, and gets coordinates, which are origin + positions. A vertex for each wedge, in
-    their order. Of colours and texture coordinates, which trimesh has not both, the latter; without materials."""
+    their order. With texture coordinates or materials its visual is a TextureVisuals, which has colours as its attribute
+    "color"; a warning names images that are not in the mesh, as they are in GLB files."""
     import trimesh
 
-    coordinates = _from_bottom(mesh)
-    return trimesh.Trimesh(
-        vertices=coordinates_of(mesh),
-        faces=mesh.wedge_triangles,
-        vertex_normals=mesh.normals,
-        vertex_colors=mesh.colors if coordinates is None else None,
-        visual=None if coordinates is None else trimesh.visual.TextureVisuals(uv=coordinates),
-        process=False,
-    )
+    coordinates, lost = _from_bottom(mesh), []
+    result = trimesh.Trimesh(coordinates_of(mesh), mesh.wedge_triangles, vertex_normals=mesh.normals, process=False)
+    if coordinates is not None or any(material != Material(material.name) for material in mesh.materials):
+        visual = trimesh.visual.TextureVisuals(
+            uv=coordinates, material=material_to(mesh, lost) if mesh.materials else None, face_materials=mesh.triangle_materials
+        )
+        if mesh.colors is not None:
+            visual.vertex_attributes["color"] = mesh.colors
+        result.visual = visual
+    elif mesh.colors is not None:
+        result.visual = trimesh.visual.ColorVisuals(result, vertex_colors=mesh.colors)
+    warn_lost("to_trimesh", lost, stacklevel=2)
+    return result
 
 
-@dataclass
+@dataclasses.dataclass
 class _Names:
     """The arrays of a surface of PyVista that a Mesh has a place for; None where there is none."""
 
@@ -302,24 +392,26 @@ def pyvista_like(like: pyvista.PolyData, soup: Soup, mesh: Mesh) -> pyvista.Poly
     return result
 
 
-def from_pyvista(mesh: pyvista.PolyData) -> Mesh:
-    """A copy, triangulated. Point data "Normals" and "RGBA" (uint8) become normals and colours, active texture coordinates
-    texture coordinates."""
-    surface = mesh.triangulate()
-    faces = numpy.asarray(surface.faces).reshape(-1, 4)[:, 1:]
-    data = surface.point_data
-    return Mesh(
-        surface.points,
-        faces,
-        normals=data["Normals"] if "Normals" in data else None,
-        colors=data["RGBA"] if "RGBA" in data else None,
-        texture_coordinates=surface.active_texture_coordinates,
-    )
+def from_pyvista(mesh: pyvista.DataSet) -> Mesh:
+    """A copy of the surface of any dataset, triangulated. Normals and texture coordinates of points that are active, or
+    called "Normals", are kept, and one array of colours: "RGBA", "RGB", else the first of uint8 with 3 or 4 columns. A warning
+    names what is left out. Error without a surface, TypeError for anything else."""
+    if not hasattr(mesh, "extract_surface"):
+        raise TypeError(f"from_pyvista: {type_name(mesh)} is no dataset of PyVista; give one with a surface")
+    soup, _ = soup_of_pyvista(mesh)
+    warn_lost("from_pyvista", named("point data", soup.point_data) + soup.lost, stacklevel=2)
+    return soup.mesh()
+
+
+def _materials_of(mesh: Mesh) -> list[str]:
+    """What warn_lost() says of materials that are more than plain."""
+    return named("materials", (m.name for m in mesh.materials)) if any(m != Material(m.name) for m in mesh.materials) else []
 
 
 def to_pyvista(mesh: Mesh) -> pyvista.PolyData:
     """A point for each wedge, without a copy, which keeps the mesh alive, unless the mesh has an origin; normals and colours
-    as point data "Normals" and "RGBA", and active texture coordinates."""
+    as point data "Normals" and "RGBA", and active texture coordinates. A warning names materials, which it has not."""
+    warn_lost("to_pyvista", _materials_of(mesh), stacklevel=2)
     surface = _polydata(coordinates_of(mesh), mesh.wedge_triangles)
     if mesh.normals is not None:
         surface.point_data["Normals"] = mesh.normals
@@ -344,24 +436,89 @@ def soup_of_open3d(mesh: open3d.geometry.TriangleMesh) -> Soup:
     return soup
 
 
-def open3d_like(like: open3d.geometry.TriangleMesh, soup: Soup, mesh: Mesh) -> open3d.geometry.TriangleMesh:
-    """What has become of a mesh of Open3D, with its textures; normals of triangles are computed anew."""
+def from_open3d(mesh: open3d.geometry.TriangleMesh | open3d.t.geometry.TriangleMesh) -> Mesh:
+    """A copy of a mesh of either kind, with normals, colours (8 bits) and texture coordinates. Materials are only told apart. A
+    warning names what is left out. TypeError for anything else."""
+    if not is_of(mesh, "open3d", "TriangleMesh"):
+        raise TypeError(f"from_open3d: {type_name(mesh)} is no mesh of Open3D; give an open3d.geometry.TriangleMesh or open3d.t.geometry.TriangleMesh")
+    if hasattr(mesh, "vertex"):
+        soup = soup_of_open3d_tensors(mesh.cpu())
+        soup.lost += ["the material"] if mesh.has_valid_material() else []
+    else:
+        soup = soup_of_open3d(mesh)
+        soup.lost += [f"textures ({len(mesh.textures)})"] if mesh.has_textures() else []
+    warn_lost("from_open3d", named("vertex attribute", soup.point_data) + soup.lost, stacklevel=2)
+    return soup.mesh()
+
+
+@overload
+def to_open3d(mesh: Mesh) -> open3d.geometry.TriangleMesh: ...
+@overload
+def to_open3d(mesh: Mesh, *, tensor: Literal[False]) -> open3d.geometry.TriangleMesh: ...
+@overload
+def to_open3d(mesh: Mesh, *, tensor: Literal[True]) -> open3d.t.geometry.TriangleMesh: ...
+def to_open3d(mesh: Mesh, *, tensor: bool = False) -> Any:
+    """A copy, of the newer kind on the CPU with `tensor`. A vertex for each wedge, without those that differ in texture
+    coordinates and material only: these are by triangle. A warning names what is left out: alpha and looks of materials."""
     import open3d
 
-    vector, wide = open3d.utility.Vector3dVector, numpy.float64
+    lost = _materials_of(mesh)
+    if mesh.colors is not None and (mesh.colors[:, 3] < 255).any():
+        lost.append("alpha of colors")
+    warn_lost("to_open3d", lost, stacklevel=2)
     wedges, triangles = vertices_of(mesh, mesh.normals, mesh.colors)
-    result = open3d.geometry.TriangleMesh(vector(coordinates_of(mesh)[wedges].astype(wide)),
-                                          open3d.utility.Vector3iVector(triangles.astype(numpy.int32)))
+    uv, ids = _from_bottom(mesh), mesh.triangle_materials
+    corners = None if uv is None else uv[mesh.wedge_triangles]
+    if not tensor:
+        return _legacy(coordinates_of(mesh)[wedges], triangles, _taken(mesh.normals, wedges), _taken(mesh.colors, wedges), corners, ids)
+    result = open3d.t.geometry.TriangleMesh()
+    result.vertex["positions"] = _tensor(coordinates_of(mesh)[wedges])
+    result.triangle["indices"] = _tensor(triangles.astype(numpy.int64))
     if mesh.normals is not None:
-        result.vertex_normals = vector(mesh.normals[wedges].astype(wide))
+        result.vertex["normals"] = _tensor(mesh.normals[wedges])
     if mesh.colors is not None:
-        result.vertex_colors = vector(colors_like(mesh.colors[wedges], like.vertex_colors))
-    if soup.corner_coordinates is not None:
-        corners = mesh.texture_coordinates[mesh.wedge_triangles].reshape(-1, 2)
-        result.triangle_uvs = open3d.utility.Vector2dVector(corners.astype(wide))
-        result.textures = like.textures
-    if soup.face_materials is not None:
-        result.triangle_material_ids = open3d.utility.IntVector(soup.materials_of(mesh).astype(numpy.int32))
+        result.vertex["colors"] = _tensor(mesh.colors[wedges, :3].astype(numpy.float32) / 255)
+    if corners is not None:
+        result.triangle["texture_uvs"] = _tensor(corners)
+    if ids is not None:
+        result.triangle["material_ids"] = _tensor(ids.astype(numpy.int32)[:, None])
+    return result
+
+
+def _tensor(values: _Array) -> Any:
+    import open3d
+
+    return open3d.core.Tensor(numpy.ascontiguousarray(values))
+
+
+def _legacy(
+    positions: _Array, triangles: _Array, normals: _Array | None, colors: _Array | None, corners: _Array | None, ids: _Array | None
+) -> open3d.geometry.TriangleMesh:
+    import open3d
+
+    utility = open3d.utility
+    result = open3d.geometry.TriangleMesh(
+        utility.Vector3dVector(positions.astype(numpy.float64)), utility.Vector3iVector(triangles.astype(numpy.int32))
+    )
+    if normals is not None:
+        result.vertex_normals = utility.Vector3dVector(normals.astype(numpy.float64))
+    if colors is not None:
+        result.vertex_colors = utility.Vector3dVector(colors[:, :3] / 255)
+    if corners is not None:
+        result.triangle_uvs = utility.Vector2dVector(corners.reshape(-1, 2).astype(numpy.float64))
+    if ids is not None:
+        result.triangle_material_ids = utility.IntVector(ids.astype(numpy.int32))
+    return result
+
+
+def open3d_like(like: open3d.geometry.TriangleMesh, soup: Soup, mesh: Mesh) -> open3d.geometry.TriangleMesh:
+    """What has become of a mesh of Open3D, with its textures; normals of triangles are computed anew."""
+    wedges, triangles = vertices_of(mesh, mesh.normals, mesh.colors)
+    corners = None if soup.corner_coordinates is None else mesh.texture_coordinates[mesh.wedge_triangles]
+    result = _legacy(
+        coordinates_of(mesh)[wedges], triangles, _taken(mesh.normals, wedges), _taken(mesh.colors, wedges), corners, soup.materials_of(mesh)
+    )
+    result.textures = like.textures
     if like.has_triangle_normals():
         result.compute_triangle_normals()
     if like.has_adjacency_list():
@@ -400,7 +557,7 @@ def open3d_tensors_like(like: open3d.t.geometry.TriangleMesh, soup: Soup, mesh: 
     import open3d
 
     def put(to: Any, key: str, values: _Array, of: Any) -> None:
-        to[key] = open3d.core.Tensor(numpy.ascontiguousarray(values, of[key].numpy().dtype).reshape(-1, *of[key].shape[1:]))
+        to[key] = _tensor(values.astype(of[key].numpy().dtype).reshape(-1, *of[key].shape[1:]))
 
     source, by_vertex = like.cpu(), None if soup.colors is None else mesh.colors
     result = open3d.t.geometry.TriangleMesh()

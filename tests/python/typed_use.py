@@ -36,7 +36,8 @@ def use() -> None:
     arrays: tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.uint32]]
     arrays = occlod.simplify((mesh.positions, mesh.triangles), triangles=100)
     print(smaller, arrays, occlod.simplify(occlod.to_trimesh(mesh), ratio=0.5).is_watertight)
-    print(hlod, texture_coordinates, wedge_materials, surface, origin)
+    again: occlod.Mesh = occlod.from_trimesh(occlod.to_trimesh(mesh))
+    print(again, hlod, texture_coordinates, wedge_materials, surface, origin)
     print(coordinates, box, triangles, count, objects, occlod.to_trimesh(mesh))
 
 
