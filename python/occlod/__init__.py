@@ -108,6 +108,7 @@ from ._occlod import (
     visibility_names,
     write_png,
 )
+from . import _pickling  # noqa: F401  pylint: disable=unused-import
 from ._simplify import simplify
 from .interop import from_open3d, from_pyvista, from_trimesh, to_open3d, to_pyvista, to_trimesh
 from .picture import draw_objects, full_picture, picture

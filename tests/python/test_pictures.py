@@ -138,7 +138,7 @@ class Hlods(unittest.TestCase):
         mesh, _ = planet(5)
         told = []
         hlod = occlod.build_hlod(mesh, node_triangles=500, progress=told.append)
-        self.assertTrue(told)
+        self.assertEqual((told, told[-1]), (sorted(told), 1.0))
         self.assertEqual(hlod.validate(random_fronts=4), [])
         self.assertTrue(hlod.restores(mesh))
         self.assertEqual(hlod.grouping, occlod.Grouping.shifted)
