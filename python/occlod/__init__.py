@@ -109,8 +109,10 @@ from ._occlod import (
     write_png,
 )
 from . import _pickling  # noqa: F401  pylint: disable=unused-import
+from ._open3d import from_open3d, to_open3d
+from ._pyvista import from_pyvista, to_pyvista
 from ._simplify import simplify
-from .interop import from_open3d, from_pyvista, from_trimesh, to_open3d, to_pyvista, to_trimesh
+from ._trimesh import from_trimesh, to_trimesh
 from .picture import draw_objects, full_picture, picture
 
 __version__ = version()

@@ -12,9 +12,12 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 import numpy
 import numpy.typing
 
-from . import interop
 from ._errors import Error
 from ._occlod import Mesh, read_mesh_and_report, simplify_to_distance, simplify_to_triangles
+from ._open3d import open3d_like, open3d_tensors_like, soup_of_open3d, soup_of_open3d_tensors
+from ._pyvista import pyvista_like, soup_of_pyvista
+from ._soup import coordinates_of, is_of, type_name, warn_lost
+from ._trimesh import soup_of_trimesh, trimesh_like
 
 if TYPE_CHECKING:
     import pyvista
@@ -57,7 +60,9 @@ class _Goal:
         whole = self.progress
         if whole is None:
             return dataclasses.replace(self, **changes)
-        return dataclasses.replace(self, progress=lambda done: whole(last if done == 1 else first + (last - first) * done), **changes)
+        return dataclasses.replace(
+            self, progress=lambda done: whole(last if done == 1 else first + (last - first) * done), **changes
+        )
 
 
 def _number(name: str, value: object, wanted: str, accepts: Callable[[float], bool]) -> float | None:
@@ -66,7 +71,7 @@ def _number(name: str, value: object, wanted: str, accepts: Callable[[float], bo
     try:
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        raise TypeError(f"simplify: {name}: is {interop.type_name(value)}; give {wanted}") from None
+        raise TypeError(f"simplify: {name}: is {type_name(value)}; give {wanted}") from None
     if not accepts(number):
         raise ValueError(f"simplify: {name}: is {value}; give {wanted}")
     return number
@@ -78,7 +83,7 @@ def _count(triangles: object) -> int | None:
     try:
         count = operator.index(triangles)  # type: ignore[arg-type]
     except TypeError:
-        raise TypeError(f"simplify: triangles: is {interop.type_name(triangles)}; give a whole number above 0") from None
+        raise TypeError(f"simplify: triangles: is {type_name(triangles)}; give a whole number above 0") from None
     if count < 1:
         raise ValueError(f"simplify: triangles: is {count}; give a whole number above 0")
     return count
@@ -94,13 +99,13 @@ def _of_arrays(pair: tuple[Any, Any], goal: _Goal) -> tuple[Any, Any]:
     positions, triangles = (numpy.asarray(array) for array in pair)
     mesh = goal.reduce(Mesh(positions, triangles))
     kind = positions.dtype if positions.dtype.kind == "f" else numpy.dtype(numpy.float64)
-    return interop.coordinates_of(mesh).astype(kind), mesh.triangles.astype(triangles.dtype)
+    return coordinates_of(mesh).astype(kind), mesh.triangles.astype(triangles.dtype)
 
 
 def _of_trimesh(mesh: Any, goal: _Goal, lost: list[str]) -> Any:
-    soup = interop.soup_of_trimesh(mesh)
+    soup = soup_of_trimesh(mesh)
     lost += soup.lost
-    return interop.trimesh_like(mesh, soup, goal.reduce(soup.mesh()))
+    return trimesh_like(mesh, soup, goal.reduce(soup.mesh()))
 
 
 def _largest_scale(scene: Any, name: str) -> float:
@@ -112,10 +117,12 @@ def _largest_scale(scene: Any, name: str) -> float:
 
 def _of_scene(scene: Any, goal: _Goal, lost: list[str]) -> Any:
     """Each geometry once, however many instances it has."""
-    sizes = {name: len(part.faces) for name, part in scene.geometry.items() if interop.is_of(part, "trimesh", "Trimesh")}
+    sizes = {name: len(part.faces) for name, part in scene.geometry.items() if is_of(part, "trimesh", "Trimesh")}
     whole = sum(sizes.values())
     if goal.triangles is not None and goal.triangles < len(sizes):
-        raise ValueError(f"simplify: triangles: are {goal.triangles} of {len(sizes)} geometries; give at least one for each")
+        raise ValueError(
+            f"simplify: triangles: are {goal.triangles} of {len(sizes)} geometries; give at least one for each"
+        )
     if whole == 0:
         raise Error("scene", "", "has no triangles", "give one with meshes")
     result, done = scene.copy(), 0
@@ -135,18 +142,18 @@ def _of_scene(scene: Any, goal: _Goal, lost: list[str]) -> Any:
 
 
 def _of_pyvista(dataset: Any, goal: _Goal, lost: list[str]) -> Any:
-    soup, surface = interop.soup_of_pyvista(dataset)
+    soup, surface = soup_of_pyvista(dataset)
     lost += soup.lost
-    return interop.pyvista_like(surface, soup, goal.reduce(soup.mesh()))
+    return pyvista_like(surface, soup, goal.reduce(soup.mesh()))
 
 
 def _of_open3d(mesh: Any, goal: _Goal, lost: list[str]) -> Any:
     if not hasattr(mesh, "vertex"):
-        soup = interop.soup_of_open3d(mesh)
-        return interop.open3d_like(mesh, soup, goal.reduce(soup.mesh()))
-    soup = interop.soup_of_open3d_tensors(mesh.cpu())
+        soup = soup_of_open3d(mesh)
+        return open3d_like(mesh, soup, goal.reduce(soup.mesh()))
+    soup = soup_of_open3d_tensors(mesh.cpu())
     lost += soup.lost
-    return interop.open3d_tensors_like(mesh, soup, goal.reduce(soup.mesh()))
+    return open3d_tensors_like(mesh, soup, goal.reduce(soup.mesh()))
 
 
 def _dispatch(x: Any, goal: _Goal, lost: list[str]) -> Any:
@@ -156,44 +163,74 @@ def _dispatch(x: Any, goal: _Goal, lost: list[str]) -> Any:
         return goal.reduce(x)
     if isinstance(x, tuple) and len(x) == 2:
         return _of_arrays(x, goal)
-    if interop.is_of(x, "trimesh", "Trimesh"):
+    if is_of(x, "trimesh", "Trimesh"):
         return _of_trimesh(x, goal, lost)
-    if interop.is_of(x, "trimesh", "Scene"):
+    if is_of(x, "trimesh", "Scene"):
         return _of_scene(x, goal, lost)
-    if interop.is_of(x, "open3d", "TriangleMesh"):
+    if is_of(x, "open3d", "TriangleMesh"):
         return _of_open3d(x, goal, lost)
     if hasattr(x, "extract_surface"):
         return _of_pyvista(x, goal, lost)
     raise TypeError(
-        f"simplify: {interop.type_name(x)} is no mesh; give a path, an occlod.Mesh, a pair (positions, triangles) of arrays, "
+        f"simplify: {type_name(x)} is no mesh; give a path, an occlod.Mesh, a pair (positions, triangles) of arrays, "
         "or a mesh of trimesh, PyVista or Open3D"
     )
 
 
 @overload
 def simplify(
-    x: str | bytes | os.PathLike[str] | Mesh, *, triangles: int | None = None, ratio: float | None = None,
-    error: float | None = None, refit: bool = True, threads: int = 0, progress: Progress | None = None,
+    x: str | bytes | os.PathLike[str] | Mesh,
+    *,
+    triangles: int | None = None,
+    ratio: float | None = None,
+    error: float | None = None,
+    refit: bool = True,
+    threads: int = 0,
+    progress: Progress | None = None,
 ) -> Mesh: ...
 @overload
 def simplify(
-    x: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike], *, triangles: int | None = None, ratio: float | None = None,
-    error: float | None = None, refit: bool = True, threads: int = 0, progress: Progress | None = None,
+    x: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike],
+    *,
+    triangles: int | None = None,
+    ratio: float | None = None,
+    error: float | None = None,
+    refit: bool = True,
+    threads: int = 0,
+    progress: Progress | None = None,
 ) -> tuple[numpy.typing.NDArray[Any], numpy.typing.NDArray[Any]]: ...
 @overload
 def simplify(
-    x: _Trimesh, *, triangles: int | None = None, ratio: float | None = None,
-    error: float | None = None, refit: bool = True, threads: int = 0, progress: Progress | None = None,
+    x: _Trimesh,
+    *,
+    triangles: int | None = None,
+    ratio: float | None = None,
+    error: float | None = None,
+    refit: bool = True,
+    threads: int = 0,
+    progress: Progress | None = None,
 ) -> _Trimesh: ...
 @overload
 def simplify(
-    x: pyvista.DataSet, *, triangles: int | None = None, ratio: float | None = None,
-    error: float | None = None, refit: bool = True, threads: int = 0, progress: Progress | None = None,
+    x: pyvista.DataSet,
+    *,
+    triangles: int | None = None,
+    ratio: float | None = None,
+    error: float | None = None,
+    refit: bool = True,
+    threads: int = 0,
+    progress: Progress | None = None,
 ) -> pyvista.PolyData: ...
 @overload
 def simplify(
-    x: Any, *, triangles: int | None = None, ratio: float | None = None,
-    error: float | None = None, refit: bool = True, threads: int = 0, progress: Progress | None = None,
+    x: Any,
+    *,
+    triangles: int | None = None,
+    ratio: float | None = None,
+    error: float | None = None,
+    refit: bool = True,
+    threads: int = 0,
+    progress: Progress | None = None,
 ) -> Any: ...
 def simplify(
     x: Any,
@@ -224,9 +261,11 @@ def simplify(
         _count(triangles),
         _number("ratio", ratio, "a number above 0 and at most 1", lambda r: 0 < r <= 1),
         _number("error", error, "a length above 0", lambda e: 0 < e < math.inf),
-        refit, threads, progress,
+        refit,
+        threads,
+        progress,
     )
     lost: list[str] = []
     result = _dispatch(x, goal, lost)
-    interop.warn_lost("simplify", lost, stacklevel=2)
+    warn_lost("simplify", lost, stacklevel=2)
     return result

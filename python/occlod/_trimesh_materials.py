@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy
 
 from ._occlod import AlphaMode, Material, Mesh, Surface, Texture, TextureMap, TextureWrap
-
-if TYPE_CHECKING:
-    import trimesh
 
 _FROM_MODE = {"MASK": AlphaMode.mask, "BLEND": AlphaMode.blend}
 _TO_MODE = {AlphaMode.mask: "MASK", AlphaMode.blend: "BLEND"}
@@ -138,7 +135,7 @@ def material_to(mesh: Mesh, lost: list[str]) -> Any:
     def image_of(number: int | None) -> Any:
         return None if number is None else images[number]
 
-    def pbr(m: Material) -> trimesh.visual.material.PBRMaterial:
+    def pbr(m: Material) -> Any:
         s = m.surface
         return trimesh.visual.material.PBRMaterial(
             name=m.name,

@@ -235,8 +235,8 @@ void bind_materials(nb::module_& m) {
            })
       .def("__setstate__",
            [](Material& self, const MaterialState& state) {
-             const auto& [name, base_color, texture, surface] = state;
-             new (&self) Material(make_material(name, base_color, texture, surface));
+             const auto& [name, base_color, image, surface] = state;
+             new (&self) Material(make_material(name, base_color, image, surface));
            })
       .def("__repr__", [](const Material& v) { return "<occlod.Material \"" + v.name + "\">"; });
   bind_comparison(material);
