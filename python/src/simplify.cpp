@@ -6,10 +6,12 @@
 #include <nanobind/stl/pair.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "arrays.h"
@@ -96,9 +98,9 @@ std::vector<glm::dvec3> finite_points(const ArrayLike& array, const char* name) 
   const auto address = nb::cast<std::uintptr_t>(values.attr("ctypes").attr("data"));
   if (!points.empty())
     std::memcpy(points.data(), reinterpret_cast<const void*>(address), points.size() * sizeof(glm::dvec3));  // NOLINT
-  // What is not finite has no order; far away, it is nearest to nothing.
-  for (glm::dvec3& point : points)
-    if (!std::isfinite(point.x + point.y + point.z)) point = glm::dvec3(1e150);
+  for (const glm::dvec3& point : points)
+    if (!std::isfinite(point.x) || !std::isfinite(point.y) || !std::isfinite(point.z))
+      throw nb::value_error((std::string(name) + ": are not all finite; leave those out that are not").c_str());
   return points;
 }
 
@@ -150,8 +152,8 @@ void bind_simplify(nb::module_& m) {
         return array_of(std::move(found));
       },
       "queries"_a, "points"_a,
-      "(k,) uint32: for each of the (k, 3) queries one of the (n, 3) points that is nearest to it. Expected\n"
-      "O((n + k) log n).");
+      "(k,) uint32: for each of the (k, 3) queries one of the (n, 3) points that is nearest to it. ValueError for\n"
+      "what is not finite, and without points. Expected O((n + k) log n).");
 }
 
 }  // namespace occlod::python

@@ -8,6 +8,7 @@ import warnings
 
 import numpy
 import occlod
+from occlod._occlod import nearest_points
 from support import box_of_charts, corners
 
 try:
@@ -175,6 +176,20 @@ class Ours(SimplifyTest):
             subprocess.run([os.environ["OCCLOD"], "simplify", path, "-o", made, "--ratio", "10%"], check=True, stdout=subprocess.PIPE)
             expected, result = occlod.read_mesh(made), occlod.simplify(path, ratio=0.1)
         self.assertEqual(corners(result.positions, result.triangles), corners(expected.positions, expected.triangles))
+
+
+class Nearest(unittest.TestCase):
+    def test_points_are_those_of_all(self):
+        random = numpy.random.default_rng(1)
+        points = numpy.concatenate([random.normal(size=(500, 3)), numpy.repeat(random.normal(size=(5, 3)), 20, axis=0)])
+        queries = numpy.concatenate([random.normal(size=(300, 3)) * 2, points[::50]])
+        squares = ((queries[:, None] - points) ** 2).sum(axis=2)
+        found = nearest_points(queries, points)
+        numpy.testing.assert_array_equal(squares[numpy.arange(len(queries)), found], squares.min(axis=1))
+        self.assertEqual(len(nearest_points(numpy.empty((0, 3)), points)), 0)
+        for asked, known, text in ((queries, points[:0], "points: are none"), (queries, points * numpy.nan, "points: are not all finite")):
+            with self.assertRaisesRegex(ValueError, text):
+                nearest_points(asked, known)
 
 
 @unittest.skipIf(trimesh is None, "SKIPPED: trimesh is not installed")
