@@ -53,7 +53,7 @@ class _Goal:
     def most_of(self, triangles: int) -> int:
         if self.triangles is not None:
             return self.triangles
-        return max(1, int((self.ratio or 0.0) * triangles))
+        return max(4, int((self.ratio or 0.0) * triangles))
 
     def part(self, first: float, last: float, **changes: Any) -> _Goal:
         """The same for a piece of work between two shares of the whole."""
@@ -116,26 +116,29 @@ def _largest_scale(scene: Any, name: str) -> float:
 
 
 def _of_scene(scene: Any, goal: _Goal, lost: list[str]) -> Any:
-    """Each geometry once, however many instances it has."""
-    sizes = {name: len(part.faces) for name, part in scene.geometry.items() if is_of(part, "trimesh", "Trimesh")}
-    whole = sum(sizes.values())
-    if goal.triangles is not None and goal.triangles < len(sizes):
-        raise ValueError(
-            f"simplify: triangles: are {goal.triangles} of {len(sizes)} geometries; give at least one for each"
-        )
-    if whole == 0:
+    """Each geometry once, however many instances it has. Of `triangles` it gets 4, and its share of the rest."""
+    meshes = {name: part for name, part in scene.geometry.items() if is_of(part, "trimesh", "Trimesh")}
+    sizes = {name: len(mesh.faces) for name, mesh in meshes.items() if len(mesh.faces) > 0}
+    if not sizes:
         raise Error("scene", "", "has no triangles", "give one with meshes")
+    whole, least = sum(sizes.values()), 4 * len(sizes)
+    if goal.triangles is not None and goal.triangles < least:
+        raise ValueError(
+            f"simplify: triangles: is {goal.triangles}; give at least {least}, 4 for each mesh of the scene"
+        )
     result, done = scene.copy(), 0
     for name, size in sizes.items():
         changes: dict[str, Any] = {}
         if goal.triangles is not None:
-            changes["triangles"] = max(1, goal.triangles * size // whole)
+            changes["triangles"] = 4 + (goal.triangles - least) * size // whole
         if goal.error is not None:
             changes["error"] = goal.error / _largest_scale(scene, name)
         part = goal.part(done / whole, (done + size) / whole, **changes)
         told: list[str] = []
-        if size > 0:
-            result.geometry[name] = _of_trimesh(scene.geometry[name], part, told)
+        try:
+            result.geometry[name] = _of_trimesh(meshes[name], part, told)
+        except Error as error:
+            raise Error(name, error.place, error.problem, error.remedy) from None
         lost += [f'{text} of "{name}"' for text in told]
         done += size
     return result
@@ -243,13 +246,14 @@ def simplify(
     progress: Progress | None = None,
 ) -> Any:
     """The mesh with fewer triangles, the same for every view: at most `triangles`, at most the share `ratio` in (0, 1] of
-    them, or as few as leave no point of either surface farther than `error` (the input's unit) from the other, as measured.
+    them, though 4, or as few as leave no point of either surface farther than `error` (the input's unit) from the other, as
+    measured.
 
     `x` is a path, which gives a Mesh; or a Mesh, a pair (positions, triangles) of arrays, a mesh or scene of trimesh, a
     dataset of PyVista with a surface, or a mesh of Open3D of either kind, which give what they are, but datasets PolyData.
     Vertices at exactly the same position are welded first. Texture coordinates, normals, colours (with 8 bits) and materials
     are kept; other data of points are those of the nearest vertex of the input; a warning names what is left out. Of a scene
-    each geometry is reduced once, with its share of `triangles`; `error` counts where its largest instance stands.
+    each mesh is reduced once, to 4 triangles and its share of the others; `error` counts where its largest instance stands.
 
     With `refit` vertices move to where the surface fits best. `threads`: 0 for one per core; the result does not depend on
     them. `progress` is called with the share done; what it raises, and Ctrl-C, end the call. TypeError for what is no mesh,
