@@ -110,7 +110,7 @@ SimplifiedMesh reduce(const Options& options, const std::string& file, const Tri
   };
   if (options.error) return simplify_within(mesh, in_mesh_units(*options.error, file, mesh), simplify_options);
   const double share = options.ratio.value_or(0.0) * static_cast<double>(mesh.triangle_count());
-  const std::size_t most = options.triangles.value_or(std::max<std::size_t>(1, static_cast<std::size_t>(share)));
+  const std::size_t most = options.triangles.value_or(std::max<std::size_t>(4, static_cast<std::size_t>(share)));
   return {simplify(mesh, most, simplify_options), 0.0};
 }
 
@@ -216,7 +216,7 @@ void add_simplify(CLI::App& app) {
       add_number(command, "--triangles", options->triangles, WholeRange{1, max_elements}, "At most so many triangles");
   CLI::Option* ratio =
       add_parsed(command, "--ratio", options->ratio, ratio_of, "a share above 0 and at most 1, such as 10% or 0.1",
-                 "Instead: at most this share of the mesh's triangles, such as 10% or 0.1")
+                 "Instead: at most this share of the mesh's triangles, such as 10% or 0.1, or 4 triangles")
           ->type_name("R")
           ->excludes(triangles);
   add_parsed(command, "--error", options->error, length_of, "a length above 0, such as 0.5, 0.5mm or 0.1%",

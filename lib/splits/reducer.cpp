@@ -84,6 +84,11 @@ TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles, const
   TriangleMesh result = mesh.triangle_count() <= max_triangles
                             ? mesh
                             : Reducer(mesh, options).reduced(max_triangles, {}, options.progress);
+  if (result.triangles.empty())  // the last tetrahedron of a closed surface collapses to nothing
+    throw Error({"mesh", "",
+                 "has nothing left with at most " + std::to_string(max_triangles) + " of its " +
+                     std::to_string(mesh.triangle_count()) + " triangles",
+                 "allow more: closed surfaces have at least 4"});
   if (options.progress) (void)options.progress(1.0);
   return result;
 }

@@ -18,6 +18,13 @@ class Simplify(ToolTest):
             self.assertGreater(result["triangles"], most - 3)
             self.assertEqual(self.json_of("info", "small.ply")["triangles"], result["triangles"])
 
+    def test_something_is_left(self):
+        self.succeed("simplify", "planet.ply", "-o", "small.ply", "--ratio", "0.0001")
+        self.assertEqual(self.json_of("info", "small.ply")["triangles"], 4)
+        told = self.failure_of("simplify", "planet.ply", "-o", "none.ply", "--triangles", 1)
+        self.assertIn(f"mesh: has nothing left with at most 1 of its {TRIANGLES} triangles; allow more", told)
+        self.assertFalse((self.folder / "none.ply").exists())
+
     def test_a_hierarchy_cut_to_as_many_is_farther(self):
         """Because its vertices stay on those of the input."""
         self.succeed("build", "planet.ply", "-o", "planet.olod")

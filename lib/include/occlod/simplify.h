@@ -22,14 +22,15 @@ struct SimplifyOptions {
 
 // Returns the mesh with at most `max_triangles` triangles (>= 1), reduced by half-edge collapses in the order of their
 // quadric error, as build_hierarchy() makes them; the mesh itself when it has no more. Attributes, materials and
-// textures are kept. Throws Error as build_hierarchy() does. O(n log n) time; needs about 270 bytes a vertex.
+// textures are kept. Throws Error as build_hierarchy() does, and when nothing would be left: closed surfaces have at
+// least 4 triangles. O(n log n) time; needs about 270 bytes a vertex.
 [[nodiscard]] TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles,
                                     const SimplifyOptions& options = {});
 
 // Holds a reduced mesh and a bound on the distance of every point of either surface from the other: at most 1 % above
 // the true maximum, or a quarter of what was allowed. 0 where the mesh is the input.
 struct SimplifiedMesh {
-  TriangleMesh mesh;
+  TriangleMesh mesh;      // as simplify() leaves it
   double distance = 0.0;  // object units
 };
 
