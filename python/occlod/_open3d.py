@@ -159,7 +159,8 @@ def soup_of_open3d_tensors(mesh: open3d.t.geometry.TriangleMesh) -> Soup:
     """Of the newer kind of mesh, on the CPU."""
     vertex = {name: values.numpy() for name, values in mesh.vertex.items()}
     triangle = {name: values.numpy() for name, values in mesh.triangle.items()}
-    soup = Soup(vertex["positions"], triangle.get("indices", numpy.empty((0, 3), numpy.int32)), vertex.get("normals"))
+    places, corners = vertex.get("positions", numpy.empty((0, 3))), triangle.get("indices", numpy.empty((0, 3), int))
+    soup = Soup(places, corners, vertex.get("normals"))
     soup.point_data = {name: values for name, values in vertex.items() if name not in _VERTEX_KEYS}
     left = [name for name in triangle if name not in _TRIANGLE_KEYS]
     if "colors" in vertex and (colors := rgba_of(vertex["colors"])) is not None:

@@ -38,7 +38,7 @@ def _fitting(data: Mapping[str, Any], count: int) -> tuple[dict[str, Array], lis
 
 def soup_of_trimesh(mesh: trimesh.Trimesh) -> Soup:
     """Without materials. Normals are left to trimesh, which computes them."""
-    soup = Soup(mesh.vertices, mesh.faces)
+    soup = Soup(mesh.vertices, mesh.faces if len(mesh.faces) > 0 else numpy.empty((0, 3), int))
     soup.point_data, unfitting = _fitting(mesh.vertex_attributes, len(mesh.vertices))
     soup.lost += named("vertex attribute", unfitting) + named("face attribute", mesh.face_attributes)
     visual = mesh.visual

@@ -278,6 +278,11 @@ class Trimesh(SimplifyTest):
             self.assertTrue(result.geometry["box"].is_watertight)
             self.assertGreater(len(result.geometry["ball"].faces), 40)
 
+    def test_nothing_is_an_error(self):
+        for nothing in (trimesh.Trimesh(), trimesh.Trimesh(numpy.eye(3), numpy.empty(0, int)), trimesh.Scene()):
+            with self.assertRaisesRegex(occlod.Error, "no triangle"):
+                occlod.simplify(nothing, ratio=0.5)
+
     def test_errors_are_those_of_the_scene(self):
         ball = trimesh.creation.icosphere(subdivisions=4)
         scene = trimesh.Scene()
@@ -395,6 +400,11 @@ class Open3D(SimplifyTest):
         numpy.testing.assert_allclose(result.vertex.colors.numpy(), numpy.tile((0.2, 0.4, 0.6), (len(positions), 1)), atol=1e-6)
         self.assertLess(abs(result.vertex["height"].numpy()[:, 0] - positions[:, 2]).max(), 0.06)
         self.assertTrue(result.to_legacy().is_watertight())
+
+    def test_nothing_is_an_error(self):
+        for nothing in (open3d.geometry.TriangleMesh(), open3d.t.geometry.TriangleMesh()):
+            with self.assertRaisesRegex(occlod.Error, "no triangle"):
+                occlod.simplify(nothing, ratio=0.5)
 
     def test_triangle_colors_of_newer_meshes(self):
         box = plain_box()
