@@ -1,6 +1,6 @@
 # Where dependencies come from that are not installed, with OCCLOD_FETCH_DEPENDENCIES: their authors' releases, each by the
 # hash of its archive. The versions are those of Debian 12, which the tests run with. FETCHCONTENT_SOURCE_DIR_<NAME> names
-# sources that are already here: scripts/check_doors.sh.
+# sources that are already here: scripts/check_doors.sh. scripts/sdist.py reads the declarations, in the form that they have.
 include(FetchContent)
 
 # Of some only headers are used: these have no folder of the name `none`, so that CMake unpacks and does nothing else.
@@ -42,6 +42,15 @@ FetchContent_Declare(zstd
   URL_HASH SHA256=0f470992aedad543126d06efab344dc5f3e171893810455787d38347343a4424
   SOURCE_SUBDIR build/cmake SYSTEM FIND_PACKAGE_ARGS)
 
+# The sdist of the Python package carries these sources: then nothing is fetched, and nothing of the system is used.
+file(REAL_PATH ${CMAKE_CURRENT_LIST_DIR}/../third_party occlod_carried)
+file(GLOB occlod_carried ${occlod_carried}/*)
+foreach(folder IN LISTS occlod_carried)
+  cmake_path(GET folder FILENAME name)
+  string(TOUPPER FETCHCONTENT_SOURCE_DIR_${name} variable)
+  set(${variable} ${folder} CACHE PATH "Sources that the sdist carries")
+endforeach()
+
 # occlod_find(NAME [TARGET target [INCLUDE folder]]): finds a package. One that is fetched becomes part of ours, and so is
 # static; TARGET says that it consists of headers, which lie in INCLUDE.
 macro(occlod_find name)
@@ -67,6 +76,7 @@ function(occlod_find_or_fetch name)
   set(HWY_ENABLE_TESTS OFF)
   set(ZSTD_BUILD_PROGRAMS OFF)
   set(ZSTD_BUILD_SHARED OFF)
+  set(ZSTD_LEGACY_SUPPORT OFF)  # formats older than ours
   FetchContent_MakeAvailable(${name})
   FetchContent_GetProperties(${name} SOURCE_DIR source_dir)
   if(ARG_TARGET AND NOT TARGET ${ARG_TARGET})
@@ -77,16 +87,17 @@ function(occlod_find_or_fetch name)
     add_library(hwy::hwy ALIAS hwy)  # the name that later versions and their packages use
   endif()
   if(name STREQUAL zstd AND TARGET libzstd_static)
-    target_include_directories(libzstd_static SYSTEM INTERFACE ${source_dir}/lib)
+    target_include_directories(libzstd_static SYSTEM INTERFACE $<BUILD_INTERFACE:${source_dir}/lib>)
   endif()
 endfunction()
 
 # occlod_find_header(NAME HEADER [option of find_path ...]): finds a library of headers that has no package, as occlod_NAME.
 function(occlod_find_header name header)
-  string(TOUPPER "OCCLOD_${name}_HEADERS" folder)
+  string(TOUPPER OCCLOD_${name}_HEADERS folder)
+  string(TOUPPER FETCHCONTENT_SOURCE_DIR_${name} given)
   if(NOT OCCLOD_FETCH_DEPENDENCIES)
     find_path(${folder} ${header} ${ARGN} REQUIRED)
-  elseif(NOT FETCHCONTENT_TRY_FIND_PACKAGE_MODE STREQUAL NEVER)
+  elseif(NOT ${given} AND NOT FETCHCONTENT_TRY_FIND_PACKAGE_MODE STREQUAL NEVER)
     find_path(${folder} ${header} ${ARGN})
   endif()
   if(NOT ${folder})
@@ -99,4 +110,15 @@ endfunction()
 function(occlod_headers name folder)
   add_library(occlod_${name} INTERFACE)
   target_include_directories(occlod_${name} SYSTEM INTERFACE ${folder})
+endfunction()
+
+# Installs the licences of what is compiled from its sources, each in a folder of its name.
+function(occlod_install_licences destination)
+  foreach(name IN ITEMS glm nlohmann_json CLI11 xxhash stb tinygltf fmt hwy zstd)
+    FetchContent_GetProperties(${name} SOURCE_DIR source_dir)
+    if(source_dir)
+      file(GLOB licences LIST_DIRECTORIES OFF ${source_dir}/LICENSE* ${source_dir}/copying.txt)
+      install(FILES ${licences} DESTINATION ${destination}/${name})
+    endif()
+  endforeach()
 endfunction()

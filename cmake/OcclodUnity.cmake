@@ -1,7 +1,8 @@
-# Compiles sources in groups, each a source that includes up to eight of them: most of the time goes to the headers of the
+# Compiles sources in groups, each a source that includes up to OCCLOD_UNITY_MOST of them: most of the time goes to the headers of the
 # C++ library, GoogleTest, CLI11 and JSON. That hides includes that sources lack, names in one file shadow those of another,
 # and one change compiles a whole group again, so the presets for development do not ask for it, but those of what is
 # measured, installed and tested do, and the Python package. Targets whose property UNITY_BUILD says OFF are compiled as ever.
+set(OCCLOD_UNITY_MOST 8 CACHE STRING "The most sources of a group")
 option(OCCLOD_UNITY "Compile sources in groups, in about half of the processor time" OFF)
 
 # Groups the sources of all targets of the project, after the last of them.
@@ -15,7 +16,7 @@ function(occlod_compile_in_groups)
   set(list ${PROJECT_BINARY_DIR}/unity_sources.txt)
   set(groups ${PROJECT_BINARY_DIR}/unity_groups.cmake)
   file(WRITE ${list} "${pairs}")
-  execute_process(COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/scripts/source_groups.py 8
+  execute_process(COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/scripts/source_groups.py ${OCCLOD_UNITY_MOST}
                   INPUT_FILE ${list} OUTPUT_FILE ${groups} COMMAND_ERROR_IS_FATAL ANY)
   include(${groups})
 endfunction()

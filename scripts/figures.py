@@ -9,7 +9,7 @@ sys.path.insert(0, str(ROOT / "bench/report"))
 import hlod_page  # noqa: E402
 import page  # noqa: E402
 
-SETTINGS = "2026-11-22/report_settings.csv"  # of scripts/report.sh
+SETTINGS = "2026-11-27/report_settings.csv"  # of scripts/report.sh
 SCENES = ("armadillo_group", "planet_near", "sponza", "city")
 ABOVE = "2026-11-27/hlod_above.csv"  # of figure8_city.csv of scripts/hlod_tables.sh --only table4
 KNOB_BUDGET, NEAR_BEST, TIME_NOISE = 10_000, 1.1, 1.25  # of bench_report

@@ -12,6 +12,7 @@ void add_build(CLI::App& app);
 void add_cells(CLI::App& app);    // has subcommands, like hlod
 void add_compare(CLI::App& app);  // only where OCCLOD_HAS_CGAL is defined, like repair
 void add_cut(CLI::App& app);
+void add_simplify(CLI::App& app);
 void add_generate(CLI::App& app);
 void add_hlod(CLI::App& app);
 void add_info(CLI::App& app);

@@ -102,6 +102,7 @@ int run(int argc, char** argv) {
   add_info(app);
   add_validate(app);
   add_render(app);
+  add_simplify(app);
   add_cut(app);
   add_hlod(app);
   add_tiles(app);

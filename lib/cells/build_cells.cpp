@@ -329,6 +329,7 @@ std::vector<PackedTree> CellBuild::Impl::divide(const CellRange& range, int thre
     if (const std::exception_ptr first = shared.failure()) std::rethrow_exception(first);
     throw;
   }
+  if (progress && !progress(1.0)) throw Error({"cells", "", "the build was cancelled", ""});
   return trees;
 }
 

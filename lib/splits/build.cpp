@@ -9,6 +9,7 @@
 #include "base/threads.h"
 #include "occlod/base.h"
 #include "occlod/build_hierarchy.h"
+#include "splits/build_progress.h"
 #include "splits/build_steps.h"
 #include "splits/hierarchy_data.h"
 #include "splits/positions.h"
@@ -122,7 +123,9 @@ Hierarchy build_hierarchy(const TriangleMesh& mesh, const BuildOptions& options)
   TriangleMesh ordered = in_spatial_order(mesh, threads);
   CollapseSequence sequence = simplify(ordered, options);
   if (options.error_bound == ErrorBound::measured) measure_errors(ordered, sequence);
-  return make_hierarchy(bound_subtrees(assemble(ordered, std::move(sequence), threads), threads));
+  Hierarchy hierarchy = make_hierarchy(bound_subtrees(assemble(ordered, std::move(sequence), threads), threads));
+  BuildProgress(options.progress).reach(1.0);
+  return hierarchy;
 }
 
 }  // namespace occlod

@@ -142,6 +142,7 @@ constexpr std::size_t max_evaluated = 32;
 
 void CollapseWorker::start(const Block& block) {
   block_ = &block;
+  merges_.clear();
   made_.clear();
   ranks_.clear();
   ended_.clear();
@@ -204,7 +205,7 @@ void CollapseWorker::consider(VertexId v) {
   if (CollapseQueue::level(choice.cost) > CollapseQueue::level(state_.vertices[v].cost))
     set_cost(v, choice.cost);
   else
-    collapse(v, choice, ring, choice.keeps_topology ? movement(choice, is_fan) : 0.0F);
+    collapse(v, choice, ring, choice.keeps_topology && state_.keeps_collapses ? movement(choice, is_fan) : 0.0F);
 }
 
 bool CollapseWorker::in_block(std::span<const VertexId> vertices) const {
@@ -320,26 +321,32 @@ void CollapseWorker::compute_movements(Batch& batch) {
 // Makes the collapse. `moved` bounds how far the surface moves, if the topology is kept.
 void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const VertexId> ring, float moved) {
   const VertexId u = choice.u;
-  const auto id = static_cast<CollapseId>(CollapseRecords::first_id(block_->record) + made_.size());
+  const auto id = static_cast<CollapseId>(CollapseRecords::first_id(block_->record) + merges_.size());
   const std::size_t first_ended = ended_.size(), first_corners = corners_.size();
   const float deviation2 = state_.attributes != nullptr ? attributes_.settle(u) : 0.0F;
   faces_gone_ += state_.mesh.collapse(v, u, id, !choice.keeps_topology, arena_, ended_);
-  const glm::vec3 edge = state_.edge(v, u);
-  float error = std::sqrt(state_.vertices[v].quadric.mean_square(edge));
-  // A collapse that breaks the topology may leave nothing near the faces it ends, so their own extent is added.
-  if (!choice.keeps_topology) {
-    moved = longest_edge(std::span(ended_).subspan(first_ended));
-    error = std::max(error, moved);
-  }
-  made_.push_back({v, u, first_ended, error, moved, choice.keeps_topology});
+  merges_.push_back({v, u});
+  float attribute_error = 0.0F;
   if (state_.attributes != nullptr) {
-    made_.back().first_corners = first_corners;
     move_corners(v, u, id, first_ended);
     if (state_.keeps_wedge_merges) attributes_.list_merges(v, u, wedge_merges_);
-    made_.back().attribute_error = add_deviation(v, deviation2);
+    attribute_error = add_deviation(v, deviation2);
     state_.attributes->sums[u] += state_.attributes->sums[v];
   }
-  rank(v, choice, ring);
+  const glm::vec3 edge = state_.edge(v, u);
+  if (state_.keeps_collapses) {
+    float error = std::sqrt(state_.vertices[v].quadric.mean_square(edge));
+    // A collapse that breaks the topology may leave nothing near the faces it ends, so their own extent is added.
+    if (!choice.keeps_topology) {
+      moved = longest_edge(std::span(ended_).subspan(first_ended));
+      error = std::max(error, moved);
+    }
+    made_.push_back({v, u, first_ended, error, moved, choice.keeps_topology, attribute_error, first_corners});
+    rank(v, choice, ring);
+  } else {
+    ended_.clear();
+    corners_.clear();
+  }
   state_.vertices[u].quadric.add(state_.vertices[v].quadric, edge);
   state_.vertices[v].cost = infinity;
   for (const VertexId w : ring) update(w, u);
@@ -378,6 +385,11 @@ void CollapseWorker::finish() {
   for (Batch& batch : batches_)
     if (batch.fans.size() > 0) compute_movements(batch);
   BlockRecord& record = records_[block_->record];
+  record.faces_gone = faces_gone_;
+  if (!state_.keeps_collapses) {
+    record.merges = merges_;
+    return;
+  }
   record.collapses.reserve(made_.size());
   const float to_object = round_up / state_.scale;
   for (std::size_t i = 0; i < made_.size(); ++i) {
@@ -400,7 +412,6 @@ void CollapseWorker::finish() {
   }
   record.ranks = ranks_;
   record.wedge_merges = wedge_merges_;
-  record.faces_gone = faces_gone_;
 }
 
 // Records corners by the slots of the faces that collapse i ended, which are in their final order.

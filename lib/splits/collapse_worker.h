@@ -83,7 +83,13 @@ class CollapseQueue {
 
 // Stores the collapses that blocks record, which can be found by their ids.
 
+// Records that v was merged into u.
+struct VertexMerge {
+  VertexId v = no_id, u = no_id;
+};
+
 struct BlockRecord {
+  std::vector<VertexMerge> merges;  // in order, instead of all else but faces_gone, where collapses are not wanted
   std::vector<Collapse*> collapses;
   std::vector<float> ranks;  // per collapse: its cost, at least that of any collapse it depends on
   std::vector<MisplacedFace> misplaced;
@@ -212,6 +218,7 @@ class CollapseWorker {
   VertexRing ring_;
   ChangeBound change_bound_;
   const Block* block_ = nullptr;
+  std::vector<VertexMerge> merges_;
   std::vector<Made> made_;
   std::vector<float> ranks_;
   std::vector<LevelFace> ended_;

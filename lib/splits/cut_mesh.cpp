@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <utility>
 
 #include "occlod/build_hierarchy.h"
 #include "splits/active_faces.h"
+#include "splits/compact_mesh.h"
 #include "splits/star.h"
 
 namespace occlod {
@@ -109,83 +109,6 @@ FixedCut make_cut(const Hierarchy& hierarchy, const IsApplied& is_applied) {
   return cut;
 }
 
-// Keeps only what triangles use: vertices in the order of their first use, then extra wedges sorted by vertex.
-class Compaction {
- public:
-  explicit Compaction(const Hierarchy& hierarchy)
-      : hierarchy_(hierarchy), data_(hierarchy.data()), new_ids_(hierarchy.vertex_count(), no_id) {
-    mesh_.materials = {data_.materials.begin(), data_.materials.end()};
-    mesh_.textures = {data_.textures.begin(), data_.textures.end()};
-    mesh_.texture_origin = data_.texture_origin;
-    mesh_.origin = data_.origin;
-    mesh_.up = data_.up;
-  }
-
-  void add(Triangle triangle) {
-    for (int corner = 0; corner < 3; ++corner) triangle[corner] = new_id(triangle[corner]);
-    mesh_.triangles.push_back(triangle);
-  }
-  // Adds the faces with their wedges, after add() of the same faces. A vertex whose first wedge is not used gets
-  // another one as its first.
-  void add_wedges(std::span<const Triangle> wedges) {
-    std::vector<WedgeId> first(mesh_.positions.size(), no_id);  // by new vertex id
-    std::vector<std::pair<VertexId, WedgeId>> extras;
-    for (const Triangle& t : wedges)
-      for (int k = 0; k < 3; ++k)
-        if (WedgeId& w = first[new_ids_[hierarchy_.vertex_of_wedge(t[k])]]; t[k] < w) w = t[k];
-    for (const Triangle& t : wedges)
-      for (int k = 0; k < 3; ++k)
-        if (const VertexId v = new_ids_[hierarchy_.vertex_of_wedge(t[k])]; t[k] != first[v])
-          extras.emplace_back(v, t[k]);
-    std::sort(extras.begin(), extras.end());
-    extras.erase(std::unique(extras.begin(), extras.end()), extras.end());
-    copy_attributes(first, extras);
-    if (extras.empty()) return;
-    const std::size_t vertices = first.size();
-    for (const Triangle& t : wedges) {
-      Triangle corners;
-      for (int k = 0; k < 3; ++k) {
-        const VertexId v = new_ids_[hierarchy_.vertex_of_wedge(t[k])];
-        const auto at = std::lower_bound(extras.begin(), extras.end(), std::pair(v, t[k]));
-        corners[k] =
-            t[k] == first[v] ? v : static_cast<WedgeId>(vertices + static_cast<std::size_t>(at - extras.begin()));
-      }
-      mesh_.corners.push_back(corners);
-    }
-  }
-  [[nodiscard]] TriangleMesh take() { return std::move(mesh_); }
-
- private:
-  VertexId new_id(VertexId v) {
-    if (new_ids_[v] == no_id) {
-      new_ids_[v] = static_cast<VertexId>(mesh_.positions.size());
-      mesh_.positions.push_back(data_.positions[v]);
-    }
-    return new_ids_[v];
-  }
-
-  void copy_attributes(std::span<const WedgeId> first, std::span<const std::pair<VertexId, WedgeId>> extras) {
-    const auto copy = [&](const auto& from, auto& to) {
-      if (from.empty()) return;
-      to.reserve(first.size() + extras.size());
-      for (const WedgeId w : first) to.push_back(from[w]);
-      for (const auto& [v, w] : extras) to.push_back(from[w]);
-    };
-    copy(data_.normals, mesh_.normals);
-    copy(data_.colors, mesh_.colors);
-    copy(data_.texture_coordinates, mesh_.texture_coordinates);
-    for (const auto& [v, w] : extras) {
-      mesh_.extra_wedges.push_back(v);
-      mesh_.positions.push_back(data_.positions[w]);
-    }
-  }
-
-  const Hierarchy& hierarchy_;
-  const HierarchyView& data_;
-  std::vector<VertexId> new_ids_;
-  TriangleMesh mesh_;
-};
-
 }  // namespace
 
 FixedCut full_cut(const Hierarchy& hierarchy) {
@@ -221,13 +144,21 @@ std::vector<Triangle> wedge_triangles_of(const Hierarchy& hierarchy, const Fixed
 }
 
 TriangleMesh mesh_of(const Hierarchy& hierarchy, std::span<const Triangle> wedge_triangles) {
-  Compaction compaction(hierarchy);
+  const HierarchyView& data = hierarchy.data();
+  std::vector<Triangle> vertices;
+  vertices.reserve(wedge_triangles.size());
   for (const Triangle& t : wedge_triangles)
-    compaction.add({hierarchy.vertex_of_wedge(t.x), hierarchy.vertex_of_wedge(t.y), hierarchy.vertex_of_wedge(t.z)});
-  compaction.add_wedges(wedge_triangles);
-  TriangleMesh mesh = compaction.take();
-  if (!hierarchy.data().wedge_materials.empty())
+    vertices.emplace_back(hierarchy.vertex_of_wedge(t.x), hierarchy.vertex_of_wedge(t.y),
+                          hierarchy.vertex_of_wedge(t.z));
+  TriangleMesh mesh = compact_mesh({data.positions, data.normals, data.colors, data.texture_coordinates}, vertices,
+                                   wedge_triangles, hierarchy.vertex_count());
+  if (!data.wedge_materials.empty())
     for (const Triangle& t : wedge_triangles) mesh.triangle_materials.push_back(hierarchy.material_of(t.x));
+  mesh.materials = {data.materials.begin(), data.materials.end()};
+  mesh.textures = {data.textures.begin(), data.textures.end()};
+  mesh.texture_origin = data.texture_origin;
+  mesh.origin = data.origin;
+  mesh.up = data.up;
   return mesh;
 }
 

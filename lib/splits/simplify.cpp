@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <utility>
 
 #include "base/memory.h"
@@ -109,12 +110,12 @@ Box scaled_box(const TriangleMesh& mesh, float scale) {
 // so the result does not depend on which thread ran which block.
 class Simplifier {
  public:
-  Simplifier(const TriangleMesh& mesh, const BuildOptions& options)
+  Simplifier(const TriangleMesh& mesh, const BuildOptions& options, const SimplifySetup& setup)
       : mesh_(mesh),
         options_(options),
         threads_(thread_count(options.threads)),
         progress_(options.progress),
-        state_(std::make_unique<SimplifyState>(mesh, setup_of(options, threads_),
+        state_(std::make_unique<SimplifyState>(mesh, setup_of(options, threads_, setup),
                                                ProgressPart{progress_, 0.0, passes_first, 1.0})),
         box_(scaled_box(mesh, state_->scale)),
         live_faces_(mesh.triangle_count()) {
@@ -125,6 +126,26 @@ class Simplifier {
   }
 
   CollapseSequence run() {
+    collapse();
+    return join();
+  }
+
+  ReducedFaces reduce() {
+    collapse();
+    ReducedFaces result;
+    for (const LevelFace& face : state_->mesh.faces()) result.faces.push_back(face.corners);
+    if (state_->attributes != nullptr) result.corners = base_corners(state_->mesh.faces());
+    // A vertex is merged later than all that are merged into it, so backwards every target is final.
+    result.target.resize(mesh_.vertex_count());
+    std::iota(result.target.begin(), result.target.end(), 0U);
+    for (std::size_t block = records_.size(); block-- > 0;)
+      for (auto merge = records_[block].merges.rbegin(); merge != records_[block].merges.rend(); ++merge)
+        result.target[merge->v] = result.target[merge->u];
+    return result;
+  }
+
+ private:
+  void collapse() {
     for (std::size_t pass = 0; many_left(); ++pass) {
       if (pass > 0) sort_live(pass);
       const std::size_t made = run_pass(make_blocks(block_size, threshold()));
@@ -134,12 +155,11 @@ class Simplifier {
     // Run down to the base mesh, however long it takes: each run ends with a block that is exhausted or small enough.
     drop_dead();
     if (live_faces_ > options_.base_triangles) run_pass(make_blocks(live_.size(), std::numeric_limits<float>::max()));
-    return join();
   }
 
- private:
-  static SimplifySetup setup_of(const BuildOptions& options, unsigned threads) {
-    SimplifySetup setup{options.boundary_weight, threads};
+  static SimplifySetup setup_of(const BuildOptions& options, unsigned threads, SimplifySetup setup) {
+    setup.boundary_weight = options.boundary_weight;
+    setup.threads = threads;
     setup.keeps_attributes = true;
     setup.attribute_weight = options.attribute_weight;
     return setup;
@@ -205,7 +225,7 @@ class Simplifier {
     std::size_t made = 0;
     for (std::size_t i = first_record; i < records_.size(); ++i) {
       live_faces_ -= records_[i].faces_gone;
-      made += records_[i].collapses.size();
+      made += std::max(records_[i].collapses.size(), records_[i].merges.size());
     }
     return made;
   }
@@ -214,20 +234,21 @@ class Simplifier {
     std::erase_if(live_, [&](VertexId v) { return state_->mesh.star(v).empty(); });
   }
 
-  // Lists the corners of the base faces. StarMesh lists faces by their smallest corners, in the order of these corners'
-  // stars.
-  void list_base_corners(CollapseSequence& sequence) const {
-    sequence.has_attributes = true;
+  // Returns the corners of the base faces. StarMesh lists faces by their smallest corners, in the order of these
+  // corners' stars.
+  [[nodiscard]] std::vector<Triangle> base_corners(std::span<const LevelFace> base) const {
+    std::vector<Triangle> result;
     std::vector<StarFace> before;
     VertexId v = no_id;
-    for (const LevelFace& face : sequence.base) {
+    for (const LevelFace& face : base) {
       if (face.corners.x != v) before.clear();
       v = face.corners.x;
       const StarFace of_v{face.corners.y, face.corners.z, face.made_by};
       const auto rank = static_cast<std::size_t>(std::count(before.begin(), before.end(), of_v));
-      sequence.base_corners.push_back(state_->attributes->corners.wedges(v, of_v, rank));
+      result.push_back(state_->attributes->corners.wedges(v, of_v, rank));
       before.push_back(of_v);
     }
+    return result;
   }
 
   // Joins the records of all blocks into one sequence, ordered by rank. Frees the state first, because both need much
@@ -235,7 +256,10 @@ class Simplifier {
   CollapseSequence join() {
     CollapseSequence sequence;
     sequence.base = state_->mesh.faces();
-    if (state_->attributes != nullptr) list_base_corners(sequence);
+    if (state_->attributes != nullptr) {
+      sequence.has_attributes = true;
+      sequence.base_corners = base_corners(sequence.base);
+    }
     for (const auto& worker : workers_) sequence.memory.push_back(worker->take_memory());
     workers_.clear();
     state_.reset();
@@ -259,7 +283,11 @@ class Simplifier {
 }  // namespace
 
 CollapseSequence simplify(const TriangleMesh& mesh, const BuildOptions& options) {
-  return Simplifier(mesh, options).run();
+  return Simplifier(mesh, options, {}).run();
+}
+
+ReducedFaces reduce(const TriangleMesh& mesh, const BuildOptions& options, std::span<const std::uint8_t> locked) {
+  return Simplifier(mesh, options, {.locked = locked, .keeps_collapses = false}).reduce();
 }
 
 }  // namespace occlod

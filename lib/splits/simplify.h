@@ -125,6 +125,18 @@ struct CollapseSequence {
   [[nodiscard]] CollapseId place(CollapseId id) const noexcept { return id == no_id ? no_id : places[id]; }
 };
 
+// Describes what is left of a mesh.
+struct ReducedFaces {
+  std::vector<VertexId> target;   // per vertex of the mesh: the vertex into which it was merged
+  std::vector<Triangle> faces;    // of vertices of the mesh
+  std::vector<Triangle> corners;  // the wedges whose attributes they have; empty where attributes do not count
+};
+
+// Simplifies `mesh` like simplify() down to options.base_triangles, in less time, because it records less. Vertices
+// that `locked` marks (one entry per vertex, or empty) stay, and more triangles with them.
+[[nodiscard]] ReducedFaces reduce(const TriangleMesh& mesh, const BuildOptions& options,
+                                  std::span<const std::uint8_t> locked);
+
 // Simplifies `mesh`, which has passed build_hierarchy's checks. Fast when its vertices are in spatial order. The result
 // does not depend on the number of threads.
 [[nodiscard]] CollapseSequence simplify(const TriangleMesh& mesh, const BuildOptions& options);

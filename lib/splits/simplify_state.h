@@ -38,6 +38,7 @@ struct SimplifySetup {
   bool keeps_attributes = false;           // if the mesh has any that count; the mesh must then outlive the state
   double attribute_weight = 1.0;           // weight of attribute deviations, relative to distances
   bool keeps_wedge_merges = false;         // whether BlockRecord::wedge_merges is wanted
+  bool keeps_collapses = true;             // false: of each collapse, only BlockRecord::merges is wanted
 };
 
 // Holds per-vertex data. A worker accesses only vertices of its block and reads only their stars.
@@ -52,6 +53,7 @@ struct SimplifyState {
   std::unique_ptr<AttributeState> attributes;  // null: attributes do not count
   float attribute_weight2 = 1.0F;              // weight of squared deviations
   bool keeps_wedge_merges = false;
+  bool keeps_collapses = true;
 
   [[nodiscard]] PositionView positions() const {
     return {std::span<const VertexState>(vertices), &VertexState::position};

@@ -109,7 +109,11 @@ from ._occlod import (
     visibility_names,
     write_png,
 )
-from .interop import from_pyvista, from_trimesh, to_pyvista, to_trimesh
+from . import _pickling  # noqa: F401  pylint: disable=unused-import
+from ._open3d import from_open3d, to_open3d
+from ._pyvista import from_pyvista, to_pyvista
+from ._simplify import simplify
+from ._trimesh import from_trimesh, to_trimesh
 from .picture import draw_objects, full_picture, picture
 from .tiles import write_tiles
 
@@ -215,6 +219,7 @@ __all__ = [
     "draw_items",
     "draw_objects",
     "eye_model",
+    "from_open3d",
     "from_pyvista",
     "from_trimesh",
     "full_picture",
@@ -230,6 +235,8 @@ __all__ = [
     "read_mesh",
     "read_mesh_and_report",
     "shade",
+    "simplify",
+    "to_open3d",
     "to_pyvista",
     "to_trimesh",
     "version",

@@ -21,6 +21,7 @@ namespace nb = nanobind;
 
 void bind_materials(nb::module_& m);
 void bind_mesh(nb::module_& m);
+void bind_simplify(nb::module_& m);
 void bind_hierarchy(nb::module_& m);
 void bind_view(nb::module_& m);
 void bind_options(nb::module_& m);

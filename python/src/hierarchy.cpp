@@ -129,6 +129,11 @@ std::vector<std::uint32_t> vertex_map(const Hierarchy& hierarchy, const FixedCut
 
 void bind_cut(nb::module_& m) {
   nb::class_<HierarchyCut>(m, "Cut", "A mesh between the base mesh and the input that does not depend on a view.")
+      .def("__repr__",
+           [](const HierarchyCut& c) {
+             return "<occlod.Cut of " + std::to_string(c.cut.triangles) + " of " +
+                    std::to_string(c.hierarchy.input_triangle_count()) + " triangles>";
+           })
       .def_prop_ro(
           "splits", [](const HierarchyCut& c) { return c.cut.splits; }, "How many are applied.")
       .def_prop_ro("triangle_count", [](const HierarchyCut& c) { return c.cut.triangles; })
@@ -311,6 +316,11 @@ void bind_hierarchy(nb::module_& m) {
           "As .olod, with the report of the mesh that it was built from. An old file stays as it was when writing\n"
           "fails. With `images`, the folder that names of textures are relative to, the names of those that are there\n"
           "are written so that they lead to them from the file.")
+      .def(
+          "__copy__", [](nb::object self) { return self; }, nb::sig("def __copy__(self) -> Hierarchy"))
+      .def(
+          "__deepcopy__", [](nb::object self, nb::handle) { return self; }, "memo"_a,
+          nb::sig("def __deepcopy__(self, memo: object) -> Hierarchy"))
       .def("__repr__", [](const Hierarchy& h) {
         return "<occlod.Hierarchy of " + std::to_string(h.input_triangle_count()) + " triangles, " +
                std::to_string(h.base_triangle_count()) + " in the base mesh>";

@@ -202,9 +202,14 @@ void bind_hlod_class(nb::module_& m) {
       .def(
           "has_within", [](const Hlod& h, std::int64_t n) { return h.has_within(checked(h, n)); }, "node"_a,
           "Whether the node has collapses of its own: Within.splits.")
+      .def(
+          "__copy__", [](nb::object self) { return self; }, nb::sig("def __copy__(self) -> Hlod"))
+      .def(
+          "__deepcopy__", [](nb::object self, nb::handle) { return self; }, "memo"_a,
+          nb::sig("def __deepcopy__(self, memo: object) -> Hlod"))
       .def("__repr__", [](const Hlod& h) {
         return "<occlod.Hlod of " + std::to_string(h.node_count()) + " nodes on " + std::to_string(h.level_count()) +
-               " levels>";
+               " levels, " + std::to_string(h.data().input_triangle_count) + " triangles in the input>";
       });
   bind_checks(type,
               {"Checks all of a mapped file. Error where it is damaged.", "random_fronts",

@@ -6,6 +6,7 @@
 
 #include <tuple>
 
+#include "arrays.h"
 #include "bindings.h"
 #include "text.h"
 
@@ -18,6 +19,14 @@ using Channels = std::tuple<float, float, float, float>;
 
 using Pair = std::tuple<float, float>;
 using Color = std::tuple<float, float, float>;
+
+// For pickling.
+using MapState = std::tuple<TextureId, float, Pair, float, Pair>;
+using SurfaceState =
+    std::tuple<AlphaMode, float, bool, bool, float, float, glm::vec3, TextureMap, TextureMap, TextureMap, TextureMap>;
+using TextureState =
+    std::tuple<std::string, std::string, nb::bytes, TextureWrap, TextureWrap, std::uint16_t, std::uint16_t>;
+using MaterialState = std::tuple<std::string, Channels, std::optional<TextureId>, Surface>;
 
 struct Wraps {
   TextureWrap s, t;
@@ -81,6 +90,18 @@ void bind_maps(nb::module_& m) {
       .def_prop_ro("scale", [](const TextureMap& v) {
         return Pair{v.scale.x, v.scale.y};
       });
+  map.def("__getstate__",
+          [](const TextureMap& v) {
+            return MapState(v.texture, v.strength, {v.offset.x, v.offset.y}, v.rotation, {v.scale.x, v.scale.y});
+          })
+      .def("__setstate__", [](TextureMap& self, const MapState& state) {
+        const auto& [texture, strength, offset, rotation, scale] = state;
+        new (&self) TextureMap{texture,
+                               strength,
+                               {std::get<0>(offset), std::get<1>(offset)},
+                               rotation,
+                               {std::get<0>(scale), std::get<1>(scale)}};
+      });
   bind_comparison(map);
 
   nb::class_<Surface> surface(
@@ -116,7 +137,15 @@ void bind_maps(nb::module_& m) {
       .def_ro("metallic_map", &Surface::metallic_map, nb::rv_policy::copy)
       .def_ro("normal_map", &Surface::normal_map, nb::rv_policy::copy)
       .def_ro("occlusion_map", &Surface::occlusion_map, nb::rv_policy::copy)
-      .def_ro("emissive_map", &Surface::emissive_map, nb::rv_policy::copy);
+      .def_ro("emissive_map", &Surface::emissive_map, nb::rv_policy::copy)
+      .def("__getstate__",
+           [](const Surface& v) {
+             return SurfaceState(v.alpha_mode, v.alpha_cutoff, v.double_sided, v.unlit, v.metallic, v.roughness,
+                                 v.emissive, v.metallic_map, v.normal_map, v.occlusion_map, v.emissive_map);
+           })
+      .def("__setstate__", [](Surface& self, const SurfaceState& state) {
+        new (&self) Surface(std::apply([](const auto&... fields) { return Surface{fields...}; }, state));
+      });
   bind_comparison(surface);
 }
 
@@ -159,6 +188,20 @@ void bind_materials(nb::module_& m) {
       .def_ro("wrap_t", &Texture::wrap_t, "Along the second coordinate.")
       .def_ro("min_filter", &Texture::min_filter, "As glTF numbers them, such as 9987; 0: the viewer chooses.")
       .def_ro("mag_filter", &Texture::mag_filter, "Likewise.")
+      .def(
+          "__getstate__",
+          [](const Texture& t) {
+            return TextureState(t.file, t.mime_type, nb::bytes(t.bytes.data(), t.bytes.size()), t.wrap_s, t.wrap_t,
+                                t.min_filter, t.mag_filter);
+          },
+          nb::sig("def __getstate__(self) -> tuple[object, ...]"))
+      .def(
+          "__setstate__",
+          [](Texture& self, const TextureState& state) {
+            const auto& [file, mime_type, bytes, wrap_s, wrap_t, min_filter, mag_filter] = state;
+            new (&self) Texture(make_texture(file, mime_type, bytes, {wrap_s, wrap_t}, {min_filter, mag_filter}));
+          },
+          nb::sig("def __setstate__(self, state: tuple[object, ...], /) -> None"))
       .def("__repr__", [](const Texture& t) {
         return "<occlod.Texture " +
                (t.bytes.empty() ? "\"" + t.file + "\"" : "of " + std::to_string(t.bytes.size()) + " bytes") + ">";
@@ -185,6 +228,16 @@ void bind_materials(nb::module_& m) {
           "texture", [](const Material& v) { return id_or_none(v.texture); },
           "Of the base colour: an index into the textures of the mesh; or None.")
       .def_ro("surface", &Material::surface, nb::rv_policy::copy)
+      .def("__getstate__",
+           [](const Material& v) {
+             return MaterialState(v.name, {v.base_color.r, v.base_color.g, v.base_color.b, v.base_color.a},
+                                  id_or_none(v.texture), v.surface);
+           })
+      .def("__setstate__",
+           [](Material& self, const MaterialState& state) {
+             const auto& [name, base_color, image, surface] = state;
+             new (&self) Material(make_material(name, base_color, image, surface));
+           })
       .def("__repr__", [](const Material& v) { return "<occlod.Material \"" + v.name + "\">"; });
   bind_comparison(material);
 }

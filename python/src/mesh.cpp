@@ -1,16 +1,21 @@
 // Meshes: read, cleaned, generated, written.
 #include "occlod/mesh.h"
 
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string_view.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <array>
+#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <sstream>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <vector>
 
@@ -203,6 +208,48 @@ void require_valid_wedges(const TriangleMesh& mesh) {
            "textures are counted from 0");
 }
 
+// For pickling: the arrays as bytes, and what is none.
+using MeshState = std::tuple<std::array<nb::bytes, 8>, std::vector<Material>, std::vector<Texture>, TextureOrigin,
+                             glm::dvec3, UpAxis>;
+
+template <typename Element>
+nb::bytes bytes_of(const std::vector<Element>& values) {
+  return nb::bytes(values.data(), values.size() * sizeof(Element));
+}
+
+template <typename Element>
+void set_from(std::vector<Element>& values, const nb::bytes& bytes) {
+  if (bytes.size() % sizeof(Element) != 0)
+    throw nb::value_error("mesh: its pickled arrays are damaged; pickle it again");
+  values.resize(bytes.size() / sizeof(Element));
+  if (!values.empty()) std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
+}
+
+MeshState state_of(const TriangleMesh& m) {
+  return {{bytes_of(m.positions), bytes_of(m.normals), bytes_of(m.colors), bytes_of(m.texture_coordinates),
+           bytes_of(m.extra_wedges), bytes_of(m.triangles), bytes_of(m.corners), bytes_of(m.triangle_materials)},
+          m.materials,
+          m.textures,
+          m.texture_origin,
+          m.origin,
+          m.up};
+}
+
+TriangleMesh mesh_of(const MeshState& state) {
+  TriangleMesh m;
+  const auto& arrays = std::get<0>(state);
+  std::tie(std::ignore, m.materials, m.textures, m.texture_origin, m.origin, m.up) = state;
+  set_from(m.positions, arrays[0]);
+  set_from(m.normals, arrays[1]);
+  set_from(m.colors, arrays[2]);
+  set_from(m.texture_coordinates, arrays[3]);
+  set_from(m.extra_wedges, arrays[4]);
+  set_from(m.triangles, arrays[5]);
+  set_from(m.corners, arrays[6]);
+  set_from(m.triangle_materials, arrays[7]);
+  return m;
+}
+
 }  // namespace
 
 void require_valid(const TriangleMesh& mesh) {
@@ -348,8 +395,15 @@ void bind_mesh(nb::module_& m) {
           "files lead to them. Warns of those that are not there, and of those that glTF lacks. STL has floats only: "
           "its\n"
           "coordinates are relative to the origin.")
+      .def("__copy__", [](const TriangleMesh& mesh) { return TriangleMesh(mesh); })
+      .def(
+          "__deepcopy__", [](const TriangleMesh& mesh, nb::handle) { return TriangleMesh(mesh); }, "memo"_a)
+      .def("__getstate__", &state_of)
+      .def("__setstate__", [](TriangleMesh& self, const MeshState& state) { new (&self) TriangleMesh(mesh_of(state)); })
       .def("__repr__", [](const TriangleMesh& mesh) {
-        return "<occlod.Mesh of " + std::to_string(mesh.vertex_count()) + " vertices and " +
+        const std::string seams =
+            mesh.extra_wedges.empty() ? "" : " (" + std::to_string(mesh.wedge_count()) + " wedges)";
+        return "<occlod.Mesh of " + std::to_string(mesh.vertex_count()) + " vertices" + seams + " and " +
                std::to_string(mesh.triangle_count()) + " triangles>";
       });
 

@@ -47,6 +47,7 @@ NB_MODULE(_occlod, m) {
       "version", [] { return std::string(occlod::version()); }, "MAJOR.MINOR.PATCH of the C++ library.");
   bind_materials(m);
   bind_mesh(m);
+  bind_simplify(m);
   bind_view(m);
   bind_picture(m);
   bind_hierarchy(m);

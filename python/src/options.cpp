@@ -1,5 +1,8 @@
 // Options of refinement.
 #include <nanobind/operators.h>
+#include <nanobind/stl/tuple.h>
+
+#include <tuple>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -9,6 +12,9 @@ namespace occlod::python {
 namespace {
 
 using namespace nb::literals;
+
+// For pickling.
+using OptionsState = std::tuple<std::size_t, double, Method, OccluderMode, std::size_t, double, std::uint32_t, int>;
 
 void bind_enums(nb::module_& m) {
   nb::enum_<Method>(m, "Method", "How a mesh is refined.")
@@ -54,7 +60,18 @@ void bind_options(nb::module_& m) {
               "update() only: calls in which a new vertex slides from its parent to its place; 0: at once.")
       .def_rw("threads", &RefineOptions::threads,
               "That refinement from scratch may use; 0: one for each core. The result does not depend on it.")
-      .def(nb::self == nb::self);
+      .def(nb::self == nb::self)
+      .def("__getstate__",
+           [](const RefineOptions& o) {
+             return OptionsState(o.budget, o.tolerance_px, o.method, o.mode, o.max_changes, o.time_limit_ms,
+                                 o.geomorph_frames, o.threads);
+           })
+      .def("__setstate__", [](RefineOptions& self, const OptionsState& state) {
+        RefineOptions made;
+        std::tie(made.budget, made.tolerance_px, made.method, made.mode, made.max_changes, made.time_limit_ms,
+                 made.geomorph_frames, made.threads) = state;
+        new (&self) RefineOptions(made);
+      });
 }
 
 }  // namespace occlod::python

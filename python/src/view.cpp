@@ -4,13 +4,88 @@
 #include <nanobind/operators.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
+
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <tuple>
 
 #include "arrays.h"
 #include "bindings.h"
+#include "occlod/hlod.h"
+#include "text.h"
 
 namespace occlod::python {
 
 using namespace nb::literals;
+
+namespace {
+
+using CameraState =
+    std::tuple<glm::dvec3, glm::dvec3, glm::dvec3, double, int, int, double, double, std::optional<double>>;
+
+std::string describe(const Camera& camera) {
+  std::ostringstream text;
+  const auto write = [&text](const glm::dvec3& p) { text << "(" << p.x << ", " << p.y << ", " << p.z << ")"; };
+  text << "<occlod.Camera at ";
+  write(camera.eye);
+  text << " that looks at ";
+  write(camera.target);
+  text << ", " << camera.width << " x " << camera.height << " pixels>";
+  return text.str();
+}
+
+// Two corners, in coordinates.
+std::pair<glm::dvec3, glm::dvec3> corners_of(const nb::object& what) {
+  const auto moved = [](const Box& box, const glm::dvec3& origin) {
+    return std::pair(glm::dvec3(box.min) + origin, glm::dvec3(box.max) + origin);
+  };
+  if (nb::isinstance<TriangleMesh>(what)) {
+    const TriangleMesh& mesh = nb::cast<const TriangleMesh&>(what);
+    if (mesh.positions.empty()) throw Error({"mesh", "", "has no vertices", "give one to look at"});
+    return moved(bounding_box(mesh.positions), mesh.origin);
+  }
+  if (nb::isinstance<Hierarchy>(what)) {
+    const Hierarchy& hierarchy = nb::cast<const Hierarchy&>(what);
+    return moved(hierarchy.box(), hierarchy.data().origin);
+  }
+  if (nb::isinstance<hlod::Hlod>(what)) {
+    const hlod::HlodView& data = nb::cast<const hlod::Hlod&>(what).data();
+    return moved(data.box, data.origin);
+  }
+  std::pair<glm::dvec3, glm::dvec3> corners;
+  if (!nb::try_cast(what, corners))
+    throw nb::type_error("looking_at() takes a Mesh, a Hierarchy, an Hlod or two corners of a box");
+  return corners;
+}
+
+// Turns the camera around its target until it looks that way.
+void turn(Camera& camera, const glm::dvec3& direction) {
+  const double length = glm::length(direction);
+  if (!std::isfinite(length) || !(length > 0.0))
+    throw nb::value_error("direction: has no length; give three numbers of which one is not 0");
+  const glm::dvec3 way = direction / length;
+  camera.eye = camera.target - glm::distance(camera.eye, camera.target) * way;
+  const auto is_along = [&way](const glm::dvec3& up) {
+    return glm::length(glm::cross(way, up)) < 1e-6 * glm::length(up);
+  };
+  for (const glm::dvec3 other : {glm::dvec3(0.0, 1.0, 0.0), glm::dvec3(0.0, 0.0, -1.0)})
+    if (is_along(camera.up)) camera.up = other;
+}
+
+Camera looking_at_any(const nb::object& what, Camera camera, std::optional<glm::dvec3> direction,
+                      std::optional<int> width, std::optional<int> height, std::optional<double> fov_y_deg) {
+  camera.width = width.value_or(camera.width);
+  camera.height = height.value_or(camera.height);
+  camera.fov_y_deg = fov_y_deg.value_or(camera.fov_y_deg);
+  const auto [low, high] = corners_of(what);
+  camera = looking_at((low + high) / 2.0, glm::distance(low, high) / 2.0, camera);
+  if (direction) turn(camera, *direction);
+  return camera;
+}
+
+}  // namespace
 
 void bind_view(nb::module_& m) {
   const Camera standard;
@@ -48,20 +123,28 @@ void bind_view(nb::module_& m) {
       .def("fitting_distance", &fitting_distance, "radius"_a,
            "The distance from which the camera sees all of a sphere of this radius in the middle of its image.")
       .def_static(
-          "looking_at",
-          [](const nb::object& what, const Camera& camera) {
-            std::pair<glm::vec3, glm::vec3> box;
-            if (!nb::try_cast(nb::hasattr(what, "box") ? nb::object(what.attr("box")) : what, box))
-              throw nb::type_error("looking_at() takes a Hierarchy, an Hlod or two corners of a box");
-            return looking_at(Box{box.first, box.second}, camera);
-          },
-          "what"_a, "camera"_a = standard,
-          nb::sig("def looking_at(what: Hierarchy | Hlod | tuple[collections.abc.Sequence[float], "
-                  "collections.abc.Sequence[float]], camera: Camera = ...) -> Camera"),
-          "A camera that sees all of a hierarchy, of an HLOD or between two corners, from ahead, a little from above\n"
-          "and from the right, with the image of `camera`.")
+          "looking_at", &looking_at_any, "what"_a, "camera"_a = standard, nb::kw_only(), "direction"_a = nb::none(),
+          "width"_a = nb::none(), "height"_a = nb::none(), "fov_y_deg"_a = nb::none(),
+          nb::sig("def looking_at(what: Mesh | Hierarchy | Hlod | tuple[collections.abc.Sequence[float], "
+                  "collections.abc.Sequence[float]], camera: Camera = ..., *, "
+                  "direction: collections.abc.Sequence[float] | None = None, width: int | None = None, "
+                  "height: int | None = None, fov_y_deg: float | None = None) -> Camera"),
+          "A camera that sees all of a mesh, a hierarchy or an HLOD at its coordinates, or between two corners,\n"
+          "with the image of `camera`, but for what is given here: along `direction`, or from ahead, a little\n"
+          "from above and from the right. Where `camera` has its `up` along it, y is up, or -z. ValueError for a\n"
+          "direction of no length.")
       .def("orthographic", &orthographic, "The same camera with parallel rays, showing as much at its target.")
-      .def(nb::self == nb::self);
+      .def(nb::self == nb::self)
+      .def("__getstate__",
+           [](const Camera& c) {
+             return CameraState(c.eye, c.target, c.up, c.fov_y_deg, c.width, c.height, c.near, c.far,
+                                c.orthographic_height);
+           })
+      .def("__setstate__",
+           [](Camera& self, const CameraState& state) {
+             new (&self) Camera(std::apply([](const auto&... fields) { return Camera{fields...}; }, state));
+           })
+      .def("__repr__", &describe);
 
   nb::class_<View>(m, "View",
                    "What refinement needs to know about a camera. Immutable. Functions that take a View\n"
@@ -82,6 +165,8 @@ void bind_view(nb::module_& m) {
           "world_to_clip", [](const View& view) { return from_matrix(view.world_to_clip()); },
           nb::sig("def world_to_clip(self) -> numpy.typing.NDArray[numpy.float64]"),
           "(4, 4) float64, to OpenGL's clip space; multiplies columns from the left. A copy.")
+      .def("__getstate__", [](const View& view) { return std::tuple(view.camera()); })
+      .def("__setstate__", [](View& self, const std::tuple<Camera>& state) { new (&self) View(std::get<0>(state)); })
       .def("distance_at", &View::distance_at, "nearness"_a,
            "The distance from the eye plane, world units, at which depth images hold this nearness > 0.");
 }

@@ -32,11 +32,18 @@ def use() -> None:
     origin: occlod.TextureOrigin = frame.texture_origin()
     hlod: occlod.Hlod = occlod.build_hlod(mesh, node_triangles=500, journal=pathlib.Path("a.journal"))
     tiles: int = occlod.write_tiles("a.ply", "a_tiles", up=occlod.UpAxis.y, origin=(11.5, 48.1, 520)).tiles
-    print(hlod, tiles, texture_coordinates, wedge_materials, surface, origin)
+    small: occlod.Mesh = occlod.simplify(pathlib.Path("a.ply"), ratio=0.1, progress=print)
+    smaller: occlod.Mesh = occlod.simplify(small, error=0.5, refit=False)
+    arrays: tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.uint32]]
+    arrays = occlod.simplify((mesh.positions, mesh.triangles), triangles=100)
+    print(smaller, arrays, occlod.simplify(occlod.to_trimesh(mesh), ratio=0.5).is_watertight)
+    again: occlod.Mesh = occlod.from_trimesh(occlod.to_trimesh(mesh))
+    print(again, hlod, tiles, texture_coordinates, wedge_materials, surface, origin)
     print(coordinates, box, triangles, count, objects, occlod.to_trimesh(mesh))
 
 
 def misuse() -> None:
+    occlod.simplify("a.ply", share=0.1)  # type: ignore[call-overload]
     occlod.build_hierarchy("a.ply")  # type: ignore[arg-type]
     occlod.Camera(fov=45)  # type: ignore[call-arg]
     occlod.Mesh([[0.0, 0.0, 0.0]], [[0, 0, 0]]).triangle_count = 3  # type: ignore[misc]

@@ -444,7 +444,9 @@ Hlod build(WedgeMesh mesh, float lattice_step, const HlodBuildOptions& options, 
   data.borders = options.borders;
   data.node_triangles = options.node_triangles;
   data.lattice_step = lattice_step;
-  return make_hlod(std::move(data));
+  Hlod hlod = make_hlod(std::move(data));
+  BuildProgress(options.progress).reach(1.0);
+  return hlod;
 }
 
 // Opens the journal before the mesh is there, so that one that does not fit is reported at once. Returns null for none.

@@ -46,9 +46,9 @@ class CellBuild {
   [[nodiscard]] bool has_part(const std::filesystem::path& part, const CellRange& range) const;
 
   // Divides the root cells and writes them, on `threads` threads in [0, 1024], 0: one for each core; each has a
-  // CellBuilder of its own. `progress` is called now and then on the calling thread with the share done, in [0, 1];
-  // returning false cancels the build, and what it throws ends the build too. Throws Error when it is cancelled,
-  // `threads` is out of its range or the file cannot be written.
+  // CellBuilder of its own. `progress` is called now and then on the calling thread with the share done, in [0, 1], at
+  // last with 1 before the file is written; returning false cancels the build, and what it throws ends the build too.
+  // Throws Error when it is cancelled, `threads` is out of its range or the file cannot be written.
   void write_part(const std::filesystem::path& part, const CellRange& range, int threads = 0,
                   const std::function<bool(double)>& progress = {});
   // Does the same for all root cells, and writes a .vlod file.

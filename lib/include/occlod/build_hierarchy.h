@@ -31,8 +31,8 @@ struct BuildOptions {
                                     // distances, for meshes with texture coordinates or seams; in [0, 1e6]
   ErrorBound error_bound = ErrorBound::accumulated;  // how bounds on the distance to the input are computed
   int threads = 0;                                   // in [0, 1024]; 0: one per core. The result does not depend on it
-  // Called from time to time on the calling thread with the share done, in [0, 1]; when it returns false, the build is
-  // cancelled and throws Error. An exception that it throws ends the build too.
+  // Called from time to time on the calling thread with the share done, in [0, 1], at last with 1; when it returns
+  // false, the build is cancelled and throws Error. An exception that it throws ends the build too.
   std::function<bool(double)> progress = {};
 };
 

@@ -38,8 +38,8 @@ struct HlodBuildOptions {
   // stays when the build ends: remove it once the result is written. What is damaged or cut off at its end is done
   // again. Error for a file that is no journal, that another build uses, or that does not fit.
   std::filesystem::path journal = {};
-  // Called now and then on the calling thread with the share done, in [0, 1]; returning false cancels the build, which
-  // then throws Error. What it throws ends the build too.
+  // Called now and then on the calling thread with the share done, in [0, 1], at last with 1; returning false cancels
+  // the build, which then throws Error. What it throws ends the build too.
   std::function<bool(double)> progress = {};
 };
 

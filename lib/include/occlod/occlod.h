@@ -8,5 +8,6 @@
 #include "occlod/generate.h"
 #include "occlod/mesh_file.h"
 #include "occlod/refiner.h"
+#include "occlod/simplify.h"
 #include "occlod/view.h"
 #include "occlod/visibility.h"

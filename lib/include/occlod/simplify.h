@@ -1,0 +1,44 @@
+// Reduces a mesh to fewer triangles, the same for every view, without a hierarchy.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+#include "occlod/mesh.h"
+
+namespace occlod {
+
+// Options of simplify().
+struct SimplifyOptions {
+  double boundary_weight = 1.0;   // as BuildOptions::boundary_weight
+  double attribute_weight = 0.7;  // as BuildOptions::attribute_weight
+  // Whether vertices move from the positions of the input to where the surface fits best: about two thirds of the
+  // distance at the same number of triangles. Borders and seams stay; where there are texture coordinates, vertices
+  // move along their normals only.
+  bool refit = true;
+  int threads = 0;                            // in [0, 1024]; 0: one per core. The result does not depend on it
+  std::function<bool(double)> progress = {};  // as BuildOptions::progress; ends at 1
+};
+
+// Returns the mesh with at most `max_triangles` triangles (>= 1), reduced by half-edge collapses in the order of their
+// quadric error, as build_hierarchy() makes them; the mesh itself when it has no more. Attributes, materials and
+// textures are kept. Throws Error as build_hierarchy() does, and when nothing would be left: closed surfaces have at
+// least 4 triangles. O(n log n) time; needs about 270 bytes a vertex.
+[[nodiscard]] TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles,
+                                    const SimplifyOptions& options = {});
+
+// Holds a reduced mesh and a bound on the distance of every point of either surface from the other: at most 1 % above
+// the true maximum, or a quarter of what was allowed. 0 where the mesh is the input.
+struct SimplifiedMesh {
+  TriangleMesh mesh;      // as simplify() leaves it
+  double distance = 0.0;  // object units
+};
+
+// Returns the mesh with the fewest triangles that simplify() makes whose surface lies within `max_distance` (object
+// units, > 0) of the input and the input within it of the surface, everywhere: the distance is measured, by bisection
+// to 5 % of the number of triangles. Attributes do not count. Throws as simplify() does. Typically takes 10 times as
+// long as simplify().
+[[nodiscard]] SimplifiedMesh simplify_within(const TriangleMesh& mesh, double max_distance,
+                                             const SimplifyOptions& options = {});
+
+}  // namespace occlod

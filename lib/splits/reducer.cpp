@@ -1,0 +1,96 @@
+#include "splits/reducer.h"
+
+#include "base/memory.h"
+#include "base/option_checker.h"
+#include "base/threads.h"
+#include "splits/attribute_state.h"
+#include "splits/build_steps.h"
+#include "splits/compact_mesh.h"
+#include "splits/refit.h"
+#include "splits/spatial_order.h"
+
+namespace occlod {
+namespace {
+
+// Marks the vertices whose corners have several wedges: seams of the texture stay where they are.
+std::vector<std::uint8_t> on_seams(std::span<const Triangle> faces, std::span<const Triangle> wedges,
+                                   std::size_t vertex_count) {
+  std::vector<WedgeId> first(vertex_count, no_id);
+  std::vector<std::uint8_t> result(vertex_count, 0);
+  for (std::size_t t = 0; t < faces.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      WedgeId& wedge = first[faces[t][k]];
+      if (wedge == no_id) wedge = wedges[t][k];
+      if (wedge != wedges[t][k]) result[faces[t][k]] = 1;
+    }
+  return result;
+}
+
+const SimplifyOptions& checked(const TriangleMesh& mesh, const SimplifyOptions& options) {
+  const OptionChecker check("simplify");
+  check.in_range("boundary_weight", options.boundary_weight, 0.0, 1e6);
+  check.in_range("attribute_weight", options.attribute_weight, 0.0, 1e6);
+  check.in_range("threads", options.threads, 0, 1024);
+  check_input(mesh);
+  return options;
+}
+
+}  // namespace
+
+Reducer::Reducer(const TriangleMesh& mesh, const SimplifyOptions& options)
+    : options_(checked(mesh, options)),
+      threads_(thread_count(options.threads)),
+      mesh_(in_spatial_order(mesh, threads_)),
+      materials_(wedge_materials(mesh_)) {}
+
+std::vector<glm::vec3> Reducer::refitted(const ReducedFaces& reduced, std::span<const Triangle> wedges,
+                                         std::span<const std::uint8_t> locked) const {
+  const Reduction reduction{std::span(mesh_.positions).first(mesh_.vertex_count()), mesh_.triangles, reduced.target,
+                            reduced.faces};
+  std::vector<std::uint8_t> held = on_seams(reduced.faces, wedges, mesh_.vertex_count());
+  for (std::size_t v = 0; v < locked.size(); ++v) held[v] |= locked[v];
+  return refit(reduction, held, !mesh_.texture_coordinates.empty(), threads_);
+}
+
+TriangleMesh Reducer::reduced(std::size_t max_triangles, std::span<const std::uint8_t> locked,
+                              const std::function<bool(double)>& progress) const {
+  BuildOptions build;
+  build.base_triangles = max_triangles;
+  build.boundary_weight = options_.boundary_weight;
+  build.attribute_weight = options_.attribute_weight;
+  build.threads = options_.threads;
+  build.progress = progress;
+  const ReducedFaces reduced = reduce(mesh_, build, locked);
+  const std::vector<Triangle>& wedges = reduced.corners.empty() ? reduced.faces : reduced.corners;
+  std::vector<glm::vec3> moved;
+  if (options_.refit) moved = refitted(reduced, wedges, locked);
+  const WedgeArrays arrays{options_.refit ? moved : mesh_.positions, mesh_.normals, mesh_.colors,
+                           mesh_.texture_coordinates};
+  TriangleMesh result = compact_mesh(arrays, reduced.faces, wedges, mesh_.vertex_count());
+  if (!materials_.empty())
+    for (const Triangle& t : wedges) result.triangle_materials.push_back(materials_[t.x]);
+  result.materials = mesh_.materials;
+  result.textures = mesh_.textures;
+  result.texture_origin = mesh_.texture_origin;
+  result.origin = mesh_.origin;
+  result.up = mesh_.up;
+  return result;
+}
+
+TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles, const SimplifyOptions& options) {
+  if (max_triangles == 0) throw Error({"simplify", "max_triangles", "is 0", "ask for at least one triangle"});
+  (void)checked(mesh, options);
+  const LargeMemoryReuse reuse;
+  TriangleMesh result = mesh.triangle_count() <= max_triangles
+                            ? mesh
+                            : Reducer(mesh, options).reduced(max_triangles, {}, options.progress);
+  if (result.triangles.empty())  // the last tetrahedron of a closed surface collapses to nothing
+    throw Error({"mesh", "",
+                 "has nothing left with at most " + std::to_string(max_triangles) + " of its " +
+                     std::to_string(mesh.triangle_count()) + " triangles",
+                 "allow more: closed surfaces have at least 4"});
+  if (options.progress) (void)options.progress(1.0);
+  return result;
+}
+
+}  // namespace occlod

@@ -1,0 +1,65 @@
+// Measures how far two surfaces are from each other, at every point of them and not at samples only.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "occlod/bounds.h"
+#include "occlod/mesh.h"
+
+namespace occlod {
+
+// Refers to a surface of at least one face. Faces that are near each other in it should be so in space, too.
+struct SurfaceView {
+  std::span<const glm::vec3> positions;
+  std::span<const Triangle> faces;
+};
+
+// A tree of boxes over consecutive faces, to find those near a point. The arrays must outlive it. O(n) to build.
+class SurfaceTree {
+ public:
+  explicit SurfaceTree(const SurfaceView& surface);
+
+  [[nodiscard]] glm::dvec3 corner(std::uint32_t face, int k) const {
+    return glm::dvec3(surface_.positions[surface_.faces[face][k]]);
+  }
+  [[nodiscard]] double distance2(std::uint32_t face, const glm::dvec3& p) const;
+  struct Found {
+    std::uint32_t face = no_id;
+    double distance2 = std::numeric_limits<double>::infinity();
+  };
+  // Returns the nearest face, or any whose squared distance is at most `enough2`. Looks first at the face `hint` unless
+  // it is no_id. Typically O(log n).
+  [[nodiscard]] Found nearest(const glm::dvec3& p, double enough2, std::uint32_t hint) const;
+
+ private:
+  static constexpr std::size_t fan_out = 4;  // faces of a leaf, and children of a node
+
+  SurfaceView surface_;
+  std::vector<std::vector<Box>> levels_;  // around fan_out faces, then around fan_out boxes of the level before
+};
+
+// A face with a point that is farther from a surface than it may be, and a face of the surface near that point.
+struct FarFace {
+  std::uint32_t face = no_id;
+  std::uint32_t near = no_id;
+};
+
+// Returns the faces of `from` that have points farther than `limit` (> 0, object units) from the surface of the tree,
+// ascending; faces with no point farther than 0.98 of it are not among them, others may be. Returns nothing when there
+// are more than `most`. A face is convex, so the distance from one face is a convex function: no point of a polygon is
+// farther from it than the farthest corner. Faces are cut into polygons, each over one face of the other surface, until
+// that bound will do. The same for any number of threads.
+[[nodiscard]] std::optional<std::vector<FarFace>> faces_beyond(double limit, std::size_t most, const SurfaceView& from,
+                                                               const SurfaceTree& to, unsigned threads);
+
+// Returns the largest distance of the vertices that faces use from the surface of the tree. The same for any number of
+// threads.
+[[nodiscard]] double farthest_vertex(const SurfaceView& from, const SurfaceTree& to, unsigned threads);
+
+}  // namespace occlod
