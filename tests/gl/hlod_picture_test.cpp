@@ -73,9 +73,10 @@ TEST_P(HlodPicture, OrthographicViewsWork) {
   EXPECT_EQ(different_pixels(view_, expected.depth, depth_of_level(*device, 0)), 0U);
 }
 
+// All of the sphere is in the image: with several samples a pixel at the border may show what is beyond it.
 TEST_P(HlodPicture, OffCentreViewsWork) {
   Camera camera = view_.camera();
-  camera.principal_point = {0.4, -0.3};
+  camera.principal_point = {0.2, -0.1};
   view_ = View(camera);
   const auto device = make();
   const ItemBuffer expected = items_of(level_mesh(sphere_hlod(), 0), view_);
