@@ -29,7 +29,9 @@ class Exits(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def run_python(self, text):
-        done = subprocess.run([sys.executable, "-c", text], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
+        # Python 3.12 and later warn of any fork() beside threads.
+        command = [sys.executable, "-W", "ignore:This process:DeprecationWarning", "-c", text]
+        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stderr, "")
         return done.stdout
