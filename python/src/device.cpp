@@ -49,7 +49,7 @@ std::shared_ptr<PythonDevice> make_gl(bool quality) {
 #else
 std::shared_ptr<PythonDevice> make_gl(bool /*quality*/) {
   throw Error({"device", "gl", "this package was built without OpenGL",
-               "use Device.software(), or build it with -C cmake.define.OCCLOD_PYTHON_GL=ON"});
+               "use Device.software(), or build it with --config-settings cmake.define.OCCLOD_PYTHON_GL=ON"});
 }
 #endif
 

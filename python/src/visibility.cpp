@@ -27,7 +27,7 @@ constexpr bool has_gl = false;
 
 std::unique_ptr<Visibility> make_gl(const std::string& name) {
   throw Error({name, "", "this package was built without OpenGL",
-               "use \"software\", or build it with -C cmake.define.OCCLOD_PYTHON_GL=ON"});
+               "use \"software\", or build it with --config-settings cmake.define.OCCLOD_PYTHON_GL=ON"});
 }
 #endif
 
