@@ -119,7 +119,8 @@ Json run_one(const Options& options, const std::string& input_file, const std::s
   Stopwatch stopwatch;
   const CleanMesh input = read(options, input_file, progress);
   const double read_ms = stopwatch.restart();
-  const auto [mesh, distance] = reduce(options, input_file, input.mesh, progress);
+  const SimplifiedMesh reduced = reduce(options, input_file, input.mesh, progress);
+  const TriangleMesh& mesh = reduced.mesh;
   const double simplify_ms = stopwatch.restart();
   std::vector<std::string> notes;
   write_interruptibly(output_file, 0, progress, [&] { notes = write_mesh(output_file, mesh, folder_of(input_file)); });
@@ -131,7 +132,7 @@ Json run_one(const Options& options, const std::string& input_file, const std::s
                  {"full_triangles", input.mesh.triangle_count()},
                  {"triangles", mesh.triangle_count()},
                  {"vertices", mesh.vertex_count()}};
-  if (options.error) result["distance"] = distance;
+  if (options.error) result["distance"] = reduced.distance;
   result.update({{"read_ms", read_ms},
                  {"simplify_ms", simplify_ms},
                  {"write_ms", stopwatch.milliseconds()},

@@ -67,7 +67,8 @@ class Compaction {
     copy(arrays_.texture_coordinates, mesh_.texture_coordinates);
     for (const auto& [v, w] : extras) {
       mesh_.extra_wedges.push_back(v);
-      mesh_.positions.push_back(glm::vec3(mesh_.positions[v]));
+      const glm::vec3 position = mesh_.positions[v];
+      mesh_.positions.push_back(position);
     }
   }
 

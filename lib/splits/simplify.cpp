@@ -138,9 +138,10 @@ class Simplifier {
     // A vertex is merged later than all that are merged into it, so backwards every target is final.
     result.target.resize(mesh_.vertex_count());
     std::iota(result.target.begin(), result.target.end(), 0U);
-    for (std::size_t block = records_.size(); block-- > 0;)
-      for (auto merge = records_[block].merges.rbegin(); merge != records_[block].merges.rend(); ++merge)
-        result.target[merge->v] = result.target[merge->u];
+    for (std::size_t block = records_.size(); block-- > 0;) {
+      const auto& merges = records_[block].merges;
+      for (std::size_t i = merges.size(); i-- > 0;) result.target[merges[i].v] = result.target[merges[i].u];
+    }
     return result;
   }
 
