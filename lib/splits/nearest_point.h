@@ -8,6 +8,8 @@
 
 namespace occlod {
 
+[[nodiscard]] inline double squared_length(const glm::dvec3& v) { return glm::dot(v, v); }
+
 // Holds a point of a triangle by the weights of its corners, and its squared distance.
 struct NearestPoint {
   glm::dvec3 weights{0.0};
@@ -19,7 +21,7 @@ struct NearestPoint {
 [[nodiscard]] inline NearestPoint nearest_point(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
                                                 const glm::dvec3& c) {
   const glm::dvec3 ab = b - a, ac = c - a, ap = p - a, normal = glm::cross(ab, ac);
-  const double area2 = glm::dot(normal, normal);
+  const double area2 = squared_length(normal);
   if (area2 > 0.0) {
     const double v = glm::dot(glm::cross(ap, ac), normal), w = glm::dot(glm::cross(ab, ap), normal);
     if (v >= 0.0 && w >= 0.0 && v + w <= area2) {
@@ -31,10 +33,10 @@ struct NearestPoint {
   const auto try_side = [&](const glm::dvec3& from, const glm::dvec3& to, const glm::dvec3& at_from,
                             const glm::dvec3& at_to) {
     const glm::dvec3 along = to - from;
-    const double length2 = glm::dot(along, along);
+    const double length2 = squared_length(along);
     const double t = length2 > 0.0 ? std::clamp(glm::dot(p - from, along) / length2, 0.0, 1.0) : 0.0;
     const glm::dvec3 off = p - (from + t * along);
-    if (const double distance2 = glm::dot(off, off); distance2 < best.distance2)
+    if (const double distance2 = squared_length(off); distance2 < best.distance2)
       best = {(1.0 - t) * at_from + t * at_to, distance2};
   };
   try_side(a, b, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0});

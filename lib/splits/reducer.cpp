@@ -26,21 +26,26 @@ std::vector<std::uint8_t> on_seams(std::span<const Triangle> faces, std::span<co
   return result;
 }
 
-const SimplifyOptions& checked(const TriangleMesh& mesh, const SimplifyOptions& options) {
-  const OptionChecker check("simplify");
-  check.in_range("boundary_weight", options.boundary_weight, 0.0, 1e6);
-  check.in_range("attribute_weight", options.attribute_weight, 0.0, 1e6);
-  check.in_range("threads", options.threads, 0, 1024);
+void check(const TriangleMesh& mesh, const SimplifyOptions& options) {
+  const OptionChecker checker("simplify");
+  checker.in_range("boundary_weight", options.boundary_weight, 0.0, 1e6);
+  checker.in_range("attribute_weight", options.attribute_weight, 0.0, 1e6);
+  checker.in_range("threads", options.threads, 0, 1024);
   check_input(mesh);
-  return options;
+}
+
+// Of a mesh and options that have passed the check.
+TriangleMesh checked_in_spatial_order(const TriangleMesh& mesh, const SimplifyOptions& options) {
+  check(mesh, options);
+  return in_spatial_order(mesh, thread_count(options.threads));
 }
 
 }  // namespace
 
 Reducer::Reducer(const TriangleMesh& mesh, const SimplifyOptions& options)
-    : options_(checked(mesh, options)),
+    : options_(options),
       threads_(thread_count(options.threads)),
-      mesh_(in_spatial_order(mesh, threads_)),
+      mesh_(checked_in_spatial_order(mesh, options)),
       materials_(wedge_materials(mesh_)) {}
 
 std::vector<glm::vec3> Reducer::refitted(const ReducedFaces& reduced, std::span<const Triangle> wedges,
@@ -79,11 +84,14 @@ TriangleMesh Reducer::reduced(std::size_t max_triangles, std::span<const std::ui
 
 TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles, const SimplifyOptions& options) {
   if (max_triangles == 0) throw Error({"simplify", "max_triangles", "is 0", "ask for at least one triangle"});
-  (void)checked(mesh, options);
   const LargeMemoryReuse reuse;
-  TriangleMesh result = mesh.triangle_count() <= max_triangles
-                            ? mesh
-                            : Reducer(mesh, options).reduced(max_triangles, {}, options.progress);
+  TriangleMesh result;
+  if (mesh.triangle_count() > max_triangles) {
+    result = Reducer(mesh, options).reduced(max_triangles, {}, options.progress);
+  } else {
+    check(mesh, options);
+    result = mesh;
+  }
   if (result.triangles.empty())  // the last tetrahedron of a closed surface collapses to nothing
     throw Error({"mesh", "",
                  "has nothing left with at most " + std::to_string(max_triangles) + " of its " +

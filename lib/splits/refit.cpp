@@ -60,8 +60,6 @@ ReducedMesh::ReducedMesh(const Reduction& reduction) : number_(reduction.positio
 
 using Positions = std::vector<glm::dvec3>;
 
-double squared_length(const glm::dvec3& v) { return glm::dot(v, v); }
-
 glm::dvec3 twice_area(const Positions& at, const Triangle& face) {
   return glm::cross(at[face.y] - at[face.x], at[face.z] - at[face.x]);
 }

@@ -22,11 +22,9 @@ void unite(Box& box, const glm::vec3& low, const glm::vec3& high) {
   box.max = glm::max(box.max, high);
 }
 
-double squared_length(const glm::dvec3& v) { return glm::dot(v, v); }
-
 double distance2_to(const Box& box, const glm::dvec3& p) {
   const glm::dvec3 off = glm::max(glm::max(glm::dvec3(box.min) - p, p - glm::dvec3(box.max)), 0.0);
-  return glm::dot(off, off);
+  return squared_length(off);
 }
 
 // A convex polygon in space.

@@ -27,17 +27,16 @@ struct SimplifyOptions {
 [[nodiscard]] TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles,
                                     const SimplifyOptions& options = {});
 
-// Holds a reduced mesh and a bound on the distance of every point of either surface from the other: at most 1 % above
-// the true maximum, or a quarter of what was allowed. 0 where the mesh is the input.
+// Holds a reduced mesh and its distance from the input.
 struct SimplifiedMesh {
   TriangleMesh mesh;      // as simplify() leaves it
-  double distance = 0.0;  // object units
+  double distance = 0.0;  // object units: of the vertex of either surface that is farthest from the other
 };
 
-// Returns the mesh with the fewest triangles that simplify() makes whose surface lies within `max_distance` (object
-// units, > 0) of the input and the input within it of the surface, everywhere: the distance is measured, by bisection
-// to 5 % of the number of triangles. Attributes do not count. Throws as simplify() does. Typically takes 10 times as
-// long as simplify().
+// Returns a mesh with about as few triangles as possible whose every point lies within `max_distance` (object units,
+// > 0) of the input, and the input's within it of the mesh: bisects the number of triangles to 5 %, and keeps vertices
+// of the input at places that would be too far. Attributes do not count. Throws as simplify() does. Measuring takes
+// up to a thousand times as long as simplify().
 [[nodiscard]] SimplifiedMesh simplify_within(const TriangleMesh& mesh, double max_distance,
                                              const SimplifyOptions& options = {});
 
