@@ -7,20 +7,9 @@ import warnings
 
 import numpy
 import occlod
+from packages import open3d, pyvista, trimesh
 from support import box_of_charts, corners, looks, tetrahedron
 
-try:
-    import trimesh
-except ImportError:
-    trimesh = None
-try:
-    import pyvista
-except ImportError:
-    pyvista = None
-try:
-    import open3d
-except (ImportError, OSError):
-    open3d = None
 try:
     import PIL.Image
 except ImportError:

@@ -9,20 +9,8 @@ import warnings
 import numpy
 import occlod
 from occlod._occlod import nearest_points
+from packages import open3d, pyvista, trimesh
 from support import box_of_charts, corners
-
-try:
-    import trimesh
-except ImportError:
-    trimesh = None
-try:
-    import pyvista
-except ImportError:
-    pyvista = None
-try:
-    import open3d
-except (ImportError, OSError):
-    open3d = None
 
 
 def soup(mesh):

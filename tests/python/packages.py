@@ -1,0 +1,13 @@
+"""The packages that meshes are exchanged with. None where one is not installed: what needs it is skipped."""
+try:
+    import trimesh
+except ImportError:
+    trimesh = None
+try:
+    import pyvista
+except ImportError:
+    pyvista = None
+try:
+    import open3d
+except (ImportError, OSError):
+    open3d = None
