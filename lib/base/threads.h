@@ -99,31 +99,36 @@ void for_each_short_range(std::size_t begin, std::size_t end, const Visit& visit
   }
 }
 
-// Calls visit(begin, end) for consecutive ranges of range_size that together are [0, count), each on any thread; a
-// visit must not touch what others write. Between its ranges the calling thread calls between(next): all ranges before
-// `next` are done or running. If between() or a visit throws, every thread stops after its current range and the
-// exception is rethrown here.
+// Calls visit(begin, end, thread) for consecutive blocks of `size` that together are [0, count), each on any thread; a
+// visit must not touch what others write. The calling thread is number 0, others have numbers below `threads`. Between
+// its blocks the calling thread calls between(next): all blocks before `next` are done or running. If between() or a
+// visit throws, every thread stops after its current block and the exception is rethrown here.
 template <typename Visit, typename Between>
-void for_each_range(std::size_t count, unsigned threads, const Visit& visit, const Between& between) {
+void for_each_block(std::size_t count, std::size_t size, unsigned threads, const Visit& visit, const Between& between) {
   std::atomic<std::size_t> next = 0;
-  const auto work = [&](const auto& after) {
+  share(thread_count_for((count + size - 1) / size, threads), [&](unsigned thread) {
     try {
-      for (std::size_t begin = next.fetch_add(range_size); begin < count; begin = next.fetch_add(range_size)) {
-        visit(begin, std::min(begin + range_size, count));
-        after();
+      for (std::size_t begin = next.fetch_add(size); begin < count; begin = next.fetch_add(size)) {
+        visit(begin, std::min(begin + size, count), thread);
+        if (thread == 0) between(std::min(next.load(), count));
       }
     } catch (...) {
       next = count;
       throw;
     }
-  };
-  const auto ranges = (count + range_size - 1) / range_size;
-  share(thread_count_for(ranges, threads), [&](unsigned number) {
-    if (number == 0)
-      work([&] { between(std::min(next.load(), count)); });
-    else
-      work([] {});
   });
+}
+
+template <typename Visit>
+void for_each_block(std::size_t count, std::size_t size, unsigned threads, const Visit& visit) {
+  for_each_block(count, size, threads, visit, [](std::size_t) {});
+}
+
+// Does the same in blocks of range_size: visit(begin, end).
+template <typename Visit, typename Between>
+void for_each_range(std::size_t count, unsigned threads, const Visit& visit, const Between& between) {
+  for_each_block(
+      count, range_size, threads, [&](std::size_t begin, std::size_t end, unsigned) { visit(begin, end); }, between);
 }
 
 template <typename Visit>

@@ -298,7 +298,6 @@ std::uint64_t key_of(std::uint32_t object, SplitId s) { return std::uint64_t{obj
 void FromScratch::refine(const RefinedScene& scene, RefineStats& stats) {
   scene_ = scene;
   stats_ = &stats;
-  threads_ = thread_count(scene.options->threads);
   waits_for_memory_ = scene.options->budget > max_cached_triangles;
   begin();
   run();
@@ -362,13 +361,13 @@ void FromScratch::take_visits() {
 
 // Starts visits, which other threads may work on while splits are applied, until the next occluder is drawn.
 void FromScratch::start_visits() {
-  visits_.begin(scene_, entries_, taken_visits_, threads_);
+  visits_.begin(scene_, entries_, taken_visits_, scene_.threads);
   visits_known_ = false;
   const RefineOptions* const options = scene_.options;
   const bool is_worth_it = tuning_of(*options).culling == Culling::star || waits_for_memory_;
   if (!is_worth_it || !scene_.queries->many_threads_may_ask()) return;
-  const auto pieces = static_cast<unsigned>(std::min<std::size_t>(visits_.piece_count(), threads_));
-  beside_.start(std::min(pieces, threads_ - 1), work_beside_);
+  const auto pieces = static_cast<unsigned>(std::min<std::size_t>(visits_.piece_count(), scene_.threads));
+  beside_.start(std::min(pieces, scene_.threads - 1), work_beside_);
 }
 
 void FromScratch::finish_visits() {

@@ -153,9 +153,9 @@ class EntryQueries {
   Questions about_doubtful_;
 };
 
-// Visits many nodes at once, in pieces that any number of threads work on, and finds their own splits and their children.
-// The result depends on hierarchies, views and the occluder alone, not on what refinement does meanwhile. Reuses its
-// memory.
+// Visits many nodes at once, in pieces that any number of threads work on, and finds their own splits and their
+// children. The result depends on hierarchies, views and the occluder alone, not on what refinement does meanwhile.
+// Reuses its memory.
 class NodeVisits {
  public:
   struct Child {
@@ -272,7 +272,6 @@ class FromScratch {
   EntryQueues queues_;
   EntryQueries entries_;
   Victims victims_;
-  unsigned threads_ = 1;
   bool waits_for_memory_ = false;  // whether the budget is too large for the caches
 
   // The nodes being visited, sorted by object, and what is found there.

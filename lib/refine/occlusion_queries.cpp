@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/platform.h"
+#include "base/threads.h"
 #include "base/timing.h"
 #include "occlod/base.h"
 #include "refine/star_visibility.h"
@@ -79,8 +80,16 @@ Entry::Kind OcclusionQueries::split_question() const {
 }
 
 void OcclusionQueries::ask(std::span<const Entry> entries, std::span<Verdict> verdicts) {
+  constexpr std::size_t block = 4 * min_at_once;
   const Clock::time_point start = Clock::now();
-  find(entries, verdicts, scratch_);
+  const unsigned threads = many_threads_may_ask() ? scene_.threads : 1;
+  if (scratch_.size() < threads) scratch_.resize(threads);
+  if (threads > 1)
+    for_each_block(entries.size(), block, threads, [&](std::size_t begin, std::size_t end, unsigned thread) {
+      find(entries.subspan(begin, end - begin), verdicts.subspan(begin, end - begin), scratch_[thread]);
+    });
+  else
+    find(entries, verdicts, scratch_[0]);
   count(entries, verdicts, milliseconds_since(start));
 }
 

@@ -90,6 +90,7 @@ struct QueriedScene {
   EffectGate* gate = nullptr;
   const View* view = nullptr;
   const RefineOptions* options = nullptr;
+  unsigned threads = 1;  // that may work on it
 };
 
 // Asks a backend by the rules of the options, draws its occluders, and tells each answer to the gate. Reuses its
@@ -137,7 +138,7 @@ class OcclusionQueries {
   // Counts answers. entry.error tells the gate what a hidden subtree is worth; the caller has spent `milliseconds` on
   // them.
   void count(std::span<const Entry> entries, std::span<const Verdict> verdicts, double milliseconds);
-  // Calls find() and count(), and measures the time.
+  // Calls find(), on as many threads as the options allow, and count(), and measures the time.
   void ask(std::span<const Entry> entries, std::span<Verdict> verdicts);
   [[nodiscard]] bool many_threads_may_ask() const noexcept { return visibility_->answers_many_threads(); }
   // Draws the current cuts as the occluder.
@@ -166,7 +167,7 @@ class OcclusionQueries {
   Counts counts_;
   double milliseconds_ = 0.0;
   Occluder occluder_;
-  Scratch scratch_;
+  std::vector<Scratch> scratch_;  // by thread
 };
 
 }  // namespace occlod
