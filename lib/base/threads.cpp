@@ -10,12 +10,21 @@ namespace occlod {
 namespace {
 
 // Spinning takes about as long as falling asleep and being woken.
-constexpr int max_looks = 2000;
+constexpr int max_looks = 4000;
 
 // Spins until `changed` returns true, but not for long.
 template <typename Changed>
 void spin_until(const Changed& changed) noexcept {
   for (int i = 0; i < max_looks && !changed(); ++i) relax();
+}
+
+// Locks a mutex that others hold for some instructions only, so that nobody falls asleep for it.
+std::unique_lock<std::mutex> locked(std::mutex& mutex) {
+  for (int i = 0; i < max_looks; ++i) {
+    if (std::unique_lock lock(mutex, std::try_to_lock); lock) return lock;
+    relax();
+  }
+  return std::unique_lock(mutex);
 }
 
 }  // namespace
@@ -59,7 +68,7 @@ ThreadPool& ThreadPool::of_process() {
 void ThreadPool::open(SharedWork& work, unsigned helpers) {
   unsigned sleepers = 0;
   {
-    const std::scoped_lock lock(mutex_);
+    const std::unique_lock lock = locked(mutex_);
     add_threads(helpers);
     work.wanted_ = helpers;
     work.joined_ = 0;
@@ -81,11 +90,12 @@ void ThreadPool::add_threads(unsigned wanted) {
 
 void ThreadPool::close(SharedWork& work) noexcept {
   {
-    const std::scoped_lock lock(mutex_);
+    const std::unique_lock lock = locked(mutex_);
     std::erase(open_, &work);
+    if (work.working_.load(std::memory_order_relaxed) == 0) return;
   }
   spin_until([&] { return work.working_.load(std::memory_order_acquire) == 0; });
-  std::unique_lock lock(mutex_);
+  std::unique_lock lock = locked(mutex_);
   left_.wait(lock, [&] { return work.working_.load(std::memory_order_relaxed) == 0; });
 }
 
@@ -110,7 +120,7 @@ void ThreadPool::help(SharedWork& work, std::unique_lock<std::mutex>& lock) noex
   } catch (...) {
     failure = std::current_exception();
   }
-  lock.lock();
+  lock = locked(mutex_);
   if (failure && !work.failure_) work.failure_ = std::move(failure);
   if (work.working_.fetch_sub(1, std::memory_order_release) == 1) left_.notify_all();
 }
@@ -122,7 +132,7 @@ void ThreadPool::rest(std::unique_lock<std::mutex>& lock) {
     ++spinning_;
     lock.unlock();
     spin_until([&] { return openings_.load(std::memory_order_acquire) != openings; });
-    lock.lock();
+    lock = locked(mutex_);
     --spinning_;
     if (!open_.empty()) return;
   }

@@ -57,11 +57,13 @@ class EffectGate {
     if (regions == all_effect_regions) return true;
     return regions != 0 && ((regions >> objects_[object].grid.region_of(center)) & 1U) != 0;
   }
-  // Counts the answer about a star or subtree around `center` whose error is error_px.
-  void answered(std::uint32_t object, Entry::Kind kind, const glm::vec3& center, float error_px,
-                bool visible) noexcept {
+  [[nodiscard]] std::size_t region_of(std::uint32_t object, const glm::vec3& center) const noexcept {
+    return objects_[object].grid.region_of(center);
+  }
+  // Counts the answer about a star or subtree in a region whose error is error_px.
+  void answered(std::uint32_t object, Entry::Kind kind, std::size_t in_region, float error_px, bool visible) noexcept {
     using Region = ObjectEffectStats::Region;
-    Region& region = stats_[object].regions[objects_[object].grid.region_of(center)];
+    Region& region = stats_[object].regions[in_region];
     ++region.queries;
     if (visible) return;
     ++region.hidden;
@@ -121,6 +123,7 @@ class OcclusionQueries {
     // Whether something else is before this vertex, or it is beside the image, though the star is visible. About stars
     // only, and only where the backend tests points.
     bool covered = false;
+    std::uint8_t region = 0;  // of the object that was asked about
   };
   // Holds scratch memory of find().
   struct Scratch {
@@ -155,6 +158,7 @@ class OcclusionQueries {
   [[nodiscard]] double milliseconds() const noexcept { return milliseconds_; }
 
  private:
+  [[nodiscard]] std::uint8_t region_of(const Entry& entry) const;
   void find_vertices_that_show(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
   void ask_about_bounds(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
   void find_covered(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
