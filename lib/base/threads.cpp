@@ -81,6 +81,7 @@ void ThreadPool::open(SharedWork& work, unsigned helpers) {
 
 // When the system has no more threads, there are fewer.
 void ThreadPool::add_threads(unsigned wanted) {
+  if (threads_ >= wanted) return;
   try {
     for (; threads_ < wanted; ++threads_) std::thread([this] { run(); }).detach();
   } catch (const std::system_error&) {
