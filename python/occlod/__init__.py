@@ -76,6 +76,8 @@ from ._occlod import (
     Refiner,
     Scene,
     SceneObject,
+    Selection,
+    Selector,
     Strategy,
     Surface,
     Texture,
@@ -102,6 +104,7 @@ from ._occlod import (
     generators,
     measure_popping,
     merge_cells,
+    open_hlod,
     read_hierarchy_and_report,
     read_hlod_and_report,
     read_mesh_and_report,
@@ -111,7 +114,7 @@ from ._occlod import (
     visibility_names,
     write_png,
 )
-from . import _pickling  # noqa: F401  pylint: disable=unused-import
+from . import _notebook, _pickling  # noqa: F401  pylint: disable=unused-import
 from ._open3d import from_open3d, to_open3d
 from ._pyvista import from_pyvista, to_pyvista
 from ._simplify import simplify
@@ -199,6 +202,8 @@ __all__ = [
     "Refiner",
     "Scene",
     "SceneObject",
+    "Selection",
+    "Selector",
     "Strategy",
     "Surface",
     "Texture",
@@ -230,6 +235,7 @@ __all__ = [
     "generators",
     "measure_popping",
     "merge_cells",
+    "open_hlod",
     "picture",
     "read_hierarchy",
     "read_hierarchy_and_report",

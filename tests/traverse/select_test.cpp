@@ -201,6 +201,30 @@ TEST(Selector, PagedMeshesComeWhileCoarserOnesAreSelected) {
   FAIL() << "something never came";
 }
 
+// Its parents stay, with or without occlusion.
+TEST(Selector, ADamagedNodeIsNotSelected) {
+  const Hlod& whole = planet(Grouping::shifted);
+  for (const bool occlusion : {true, false}) {
+    const auto faults = std::make_shared<ReadFaults>();
+    const NodeId first = whole.data().levels[0].first_node;
+    for (NodeId n = first; n < first + whole.data().levels[0].node_count; n += 4) faults->damaged.insert(n);
+    TrialCacheOptions cache;
+    cache.load = TrialLoad::blocking;
+    const Hlod hlod = paged(whole, cache, faults);
+    const PlacedHlod objects[] = {{&hlod}};
+    Selector selector(objects);
+    std::mt19937_64 random(47);
+    const View view(from_afar(whole, random));
+    std::size_t told = 0;
+    for (int i = 0; i < 3; ++i) {
+      for (const SelectedNode& node : selector.select(view, {.tolerance_px = 0.0, .occlusion = occlusion}).nodes)
+        EXPECT_FALSE(faults->damaged.contains(node.node));
+      told += hlod.store()->take_failures().size();
+    }
+    EXPECT_GT(told, 0U) << "some are in sight";
+  }
+}
+
 TEST(Selector, MistakesAreTold) {
   const Hlod& hlod = planet(Grouping::shifted);
   const PlacedHlod objects[] = {{&hlod}};

@@ -1,12 +1,12 @@
 #include "occlod/select.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/option_checker.h"
 #include "hlod/draw/trial.h"
@@ -15,24 +15,24 @@
 namespace occlod::hlod {
 namespace {
 
-// Draws nothing, for a traversal without queries.
+// Draws nothing, and finds everything visible. Strategy::vfc asks only where the mesh of a finer node is damaged.
 class NoDevice final : public RenderDevice {
  public:
   [[nodiscard]] std::string_view name() const noexcept override { return "none"; }
   void begin_frame(const View&, std::span<const PlacedHlod>) override {}
   void draw(const NodeDraw&) override {}
-  [[nodiscard]] QueryId ask(std::span<const BoxRef>) override { return unasked(); }
-  [[nodiscard]] QueryId ask_each(std::span<const BoxRef>) override { return unasked(); }
+  [[nodiscard]] QueryId ask(std::span<const BoxRef>) override { return 0; }
+  [[nodiscard]] QueryId ask_each(std::span<const BoxRef> boxes) override {
+    counts_.resize(std::max(counts_.size(), boxes.size()), 1U);
+    return 0;
+  }
   [[nodiscard]] bool available(QueryId) override { return true; }
-  [[nodiscard]] std::span<const std::uint32_t> wait(QueryId) override { return {}; }
+  [[nodiscard]] std::span<const std::uint32_t> wait(QueryId) override { return counts_; }
   void visit(std::size_t) override {}
   FrameTimes end_frame() override { return {}; }
 
  private:
-  static QueryId unasked() {
-    assert(false);  // Strategy::vfc has no queries
-    return 0;
-  }
+  std::vector<std::uint32_t> counts_ = {1};  // as many as were asked about together
 };
 
 // The tolerance that keeps a budget, from frame to frame. It grows within a frame until the budget is kept, and shrinks
