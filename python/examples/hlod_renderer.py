@@ -1,28 +1,33 @@
 #!/usr/bin/env python3
-"""hlod_renderer.py [FOLDER]: an HLOD in a renderer of one's own: what to draw in a view, as ranges of the triangles of nodes.
-Writes hlod_renderer.png into FOLDER, with a colour for each level."""
-import pathlib
-import sys
+# %% [markdown]
+"""
+# An HLOD in a renderer of one's own
 
+What to draw in a view, as ranges of the triangles of nodes. Writes hlod_renderer.png, with a colour for each level.
+"""
+
+# %%
 import numpy
 import occlod
 
+city = occlod.build_hlod(occlod.generate("city", blocks=24))
+camera = occlod.Camera(eye=(20, 20, 60), target=(600, 600, 0), up=(0, 0, 1), width=800, height=400, far=4000)
+selector = occlod.Selector(city)  # remembers from frame to frame what was visible
+selection = selector.select(camera, tolerance_px=2)
+print(f"{selection.triangles} of {city.input_triangle_count} triangles; {selection.hidden} nodes are hidden")
 
-def main(folder: pathlib.Path) -> None:
-    city = occlod.build_hlod(occlod.generate("city", blocks=24))
-    selector = occlod.Selector(city)  # remembers from frame to frame what was visible
-    camera = occlod.Camera(eye=(20, 20, 60), target=(600, 600, 0), up=(0, 0, 1), width=800, height=400, far=4000)
-    selection = selector.select(camera, tolerance_px=2)
-    # A renderer uploads the mesh of a node once, and draws ranges of its indices. Here all go into a picture.
-    drawn = []
-    for _, node, first, count in selection.draws.tolist():
-        mesh, level = city.mesh(node), city.node(node).level  # level 0 is the input
-        colors = numpy.tile(numpy.uint8((250 - 40 * level, 60 + 190 * (level % 2), 90 + 25 * level, 255)), (len(mesh.positions), 1))
-        for first_index, indices in selection.ranges[first : first + count] // 3:
-            drawn.append(occlod.DrawObject(mesh.positions, mesh.triangles[first_index : first_index + indices], colors))
-    print(f"{selection.triangles} of {city.input_triangle_count} triangles in {len(drawn)} draws; {selection.hidden} nodes are hidden")
-    occlod.write_png(folder / "hlod_renderer.png", occlod.shade(occlod.draw_items(drawn, camera), drawn, camera, wire=False))
+# %% [markdown]
+"""
+A renderer uploads the mesh of a node once, and draws ranges of its indices. Here all go into a picture.
+"""
 
-
-if __name__ == "__main__":
-    main(pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "."))
+# %%
+drawn = []
+for _, node, first, count in selection.draws.tolist():
+    mesh, level = city.mesh(node), city.node(node).level  # level 0 is the input
+    colors = numpy.tile(numpy.uint8((250 - 40 * level, 60 + 190 * (level % 2), 90 + 25 * level, 255)), (len(mesh.positions), 1))
+    for first_index, indices in selection.ranges[first : first + count] // 3:
+        drawn.append(occlod.DrawObject(mesh.positions, mesh.triangles[first_index : first_index + indices], colors))
+image = occlod.shade(occlod.draw_items(drawn, camera), drawn, camera, wire=False)
+occlod.write_png("hlod_renderer.png", image)
+occlod.show(image)

@@ -114,7 +114,8 @@ from ._occlod import (
     visibility_names,
     write_png,
 )
-from . import _notebook, _pickling  # noqa: F401  pylint: disable=unused-import
+from . import _pickling  # noqa: F401  pylint: disable=unused-import
+from ._notebook import show
 from ._open3d import from_open3d, to_open3d
 from ._pyvista import from_pyvista, to_pyvista
 from ._simplify import simplify
@@ -244,6 +245,7 @@ __all__ = [
     "read_mesh",
     "read_mesh_and_report",
     "shade",
+    "show",
     "simplify",
     "to_open3d",
     "to_pyvista",

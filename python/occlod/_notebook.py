@@ -1,4 +1,4 @@
-"""How notebooks show meshes, hierarchies and HLODs: a small picture, and counts."""
+"""How notebooks show images; and meshes, hierarchies and HLODs: a small picture, and counts."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ import pathlib
 import tempfile
 from collections.abc import Callable
 from typing import Any
+
+import numpy
+import numpy.typing
 
 from ._errors import Error
 from ._occlod import Camera, Hierarchy, Hlod, Mesh, Refiner, Selector, write_png
@@ -24,17 +27,35 @@ def _drawable(thing: Mesh | Hierarchy | Hlod, camera: Camera) -> Drawable:
     return thing
 
 
-def _png(thing: Mesh | Hierarchy | Hlod) -> bytes | None:
-    """None of what cannot be drawn, as a mesh without vertices."""
-    try:
-        camera = Camera.looking_at(thing, width=_WIDTH, height=_HEIGHT)
-        image = picture(_drawable(thing, camera), camera, wire=False)
-    except Error:
-        return None
+def _bytes_of(image: numpy.typing.NDArray[numpy.uint8]) -> bytes:
     with tempfile.TemporaryDirectory(prefix="occlod-") as folder:
         path = pathlib.Path(folder, "shown.png")
         write_png(path, image)
         return path.read_bytes()
+
+
+class _Shown:
+    """A picture as the value of a cell."""
+
+    def __init__(self, png: bytes) -> None:
+        self._png = png
+
+    def _repr_png_(self) -> bytes:
+        return self._png
+
+
+def show(image: numpy.typing.NDArray[numpy.uint8]) -> object:
+    """What a notebook shows as a picture when it is the last value of a cell: an image of picture() or shade()."""
+    return _Shown(_bytes_of(image))
+
+
+def _png(thing: Mesh | Hierarchy | Hlod) -> bytes | None:
+    """None of what cannot be drawn, as a mesh without vertices."""
+    try:
+        camera = Camera.looking_at(thing, width=_WIDTH, height=_HEIGHT)
+        return _bytes_of(picture(_drawable(thing, camera), camera, wire=False))
+    except Error:
+        return None
 
 
 def _counts_of_mesh(mesh: Mesh) -> dict[str, int]:
