@@ -1,4 +1,5 @@
 """HLODs whose meshes come and go, what is selected of them, and what other programs make of it."""
+import concurrent.futures
 import pathlib
 import tempfile
 import unittest
@@ -141,6 +142,13 @@ class Paged(unittest.TestCase):
         settled(hlod, tolerance_px=0, occlusion=False)
         for function, *arguments in ((hlod.write, pathlib.Path(self.folder.name, "again.ohlod")), (hlod.validate,), (hlod.require_all,)):
             self.assertIn("open the file without a cache", str(self.error(function, *arguments)))
+
+    def test_threads_may_share_one(self):
+        hlod = occlod.open_hlod(self.path)
+        eyes = [(3, 0, 0.5), (-3, 0, 0.5), (0, 0.5, 3), (0, 0.5, -3)] * 2
+        with concurrent.futures.ThreadPoolExecutor(4) as threads:
+            shown = list(threads.map(lambda eye: settled(hlod, occlod.Camera(eye=eye), tolerance_px=0.5).triangles, eyes))
+        self.assertEqual(shown, [occlod.Selector(self.whole).select(occlod.Camera(eye=eye), tolerance_px=0.5).triangles for eye in eyes])
 
     def test_what_never_comes_is_told(self):
         data = bytearray(self.path.read_bytes())
