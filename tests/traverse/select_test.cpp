@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "hlod/draw/front_sizes.h"
 #include "hlod/memory_source.h"
 #include "occlod/base.h"
 #include "occlod/device.h"
@@ -114,6 +115,33 @@ TEST(Selector, MovedObjectsAreSelectedWhereTheyAre) {
   in_the_frustum(truth, view, device, 1.0);
   EXPECT_EQ(picture(selector.select(view), objects, view), device.depth().nearness);
   EXPECT_NE(before, device.depth().nearness);
+}
+
+// What is forecast for any tolerance is what a front without occlusion has, to the triangle.
+TEST(FrontSizes, AreThoseOfFronts) {
+  for (const Hlod* hlod : {&city(Grouping::shifted), &planet(Grouping::shifted), &city(Grouping::nested)}) {
+    const std::vector<PlacedHlod> objects = two_copies(*hlod);
+    Traverser traverser(objects);
+    SoftwareDevice device;
+    FrontSizes sizes;
+    for (int i = 0; i < 10; ++i) {
+      const View view(walk(hlod->data().box, i, 60));
+      for (const double least_px : {0.0, 1.0}) {
+        sizes.assign(view, objects, least_px);
+        for (double px = least_px; px < 1e4; px = 1.7 * px + 0.01)
+          EXPECT_EQ(sizes.at(px),
+                    static_cast<double>(in_the_frustum(traverser, view, device, px).stats.drawn_triangles))
+              << px;
+        const double all = sizes.at(least_px);
+        for (const double wanted : {all, all / 2.0, all / 5.0}) {
+          const double px = sizes.tolerance_px(wanted);
+          EXPECT_TRUE(sizes.at(px) <= wanted || px == sizes.coarsest_px());
+        }
+        EXPECT_EQ(sizes.tolerance_px(all), least_px);
+        EXPECT_GT(sizes.tolerance_px(all, 7.0), 7.0);
+      }
+    }
+  }
 }
 
 // Never more than the budget, most of it used, and the coarsest picture where it is too small for that.

@@ -1,7 +1,6 @@
 #include "occlod/select.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "base/option_checker.h"
+#include "hlod/draw/front_sizes.h"
 #include "hlod/draw/trial.h"
 #include "occlod/traverser.h"
 
@@ -35,49 +35,6 @@ class NoDevice final : public RenderDevice {
   std::vector<std::uint32_t> counts_ = {1};  // as many as were asked about together
 };
 
-// The tolerance that keeps a budget, from frame to frame. It grows within a frame until the budget is kept, and shrinks
-// from one frame to the next.
-class BudgetTolerance {
- public:
-  // Returns the tolerance to try first.
-  [[nodiscard]] double begin_frame(double least_px) {
-    tolerance_px_ = std::max(tolerance_px_, least_px);
-    return tolerance_px_;
-  }
-
-  // Lets the tolerance shrink at once.
-  void wake() { rest_ = 0; }
-
-  // Returns a larger one, after that one gave so many triangles for one of the budget. Their number falls with the
-  // tolerance to the power of -1 to -2.
-  [[nodiscard]] double grow(double excess) {
-    rest_ = rest_frames;
-    return tolerance_px_ = std::max(tolerance_px_, first_px) * std::max(std::pow(excess, 2.0 / 3.0), 1.1);
-  }
-
-  // Tells what share of the budget was used, the largest error that was selected, at which everything would have been
-  // the same, and whether nothing has changed since the frame before.
-  void end_frame(double used, double largest_px, bool is_still) {
-    if (rest_ > 0)
-      rest_ -= is_still ? 0 : 1;
-    else if (used < 0.9)
-      tolerance_px_ = std::min(tolerance_px_, largest_px) * std::max(std::pow(used, 2.0 / 3.0), 0.9);
-  }
-
- private:
-  static constexpr double first_px = 1.0 / 64.0;
-  static constexpr int rest_frames = 20;  // after growing: else a node on the edge of the budget would come and go
-
-  double tolerance_px_ = 0.0;
-  int rest_ = 0;
-};
-
-bool are_roots(const Frame& frame, std::span<const PlacedHlod> objects) {
-  return std::ranges::all_of(frame.draws, [&](const DrawnNode& drawn) {
-    return objects[drawn.object].hlod->patches(drawn.node)[0].parent == no_id;
-  });
-}
-
 }  // namespace
 
 class Selector::Impl {
@@ -95,22 +52,10 @@ class Selector::Impl {
 
   const Selection& select(const View& view, const SelectOptions& options) {
     OptionChecker("selection options").at_least("tolerance_px", options.tolerance_px, 0.0);
-    if (options.budget == 0) {
+    if (options.budget == 0)
       tell(traverse(view, options, options.tolerance_px), options.tolerance_px);
-      return selection_;
-    }
-    const auto budget = static_cast<double>(options.budget);
-    if (std::exchange(last_options_, options) != options) tolerance_.wake();
-    double tolerance_px = tolerance_.begin_frame(options.tolerance_px);
-    const Frame* frame = &traverse(view, options, tolerance_px);
-    while (frame->stats.drawn_triangles > options.budget && !are_roots(*frame, traverser_.objects())) {
-      tolerance_px = tolerance_.grow(static_cast<double>(frame->stats.drawn_triangles) / budget);
-      frame = &traverse(view, options, tolerance_px);
-    }
-    tolerance_.end_frame(static_cast<double>(frame->stats.drawn_triangles) / budget, frame->stats.largest_sse_px,
-                         last_camera_ == view.camera());
-    last_camera_ = view.camera();
-    tell(*frame, tolerance_px);
+    else
+      select_within(view, options);
     return selection_;
   }
 
@@ -122,6 +67,44 @@ class Selector::Impl {
     traverse.geomorph = options.geomorph;
     if (options.occlusion) return traverser_.draw_frame(view, software_, traverse);
     return traverser_.draw_frame(view, none_, traverse);
+  }
+
+  // Keeps the tolerance of the last frame where it uses the budget well. What a front has is known before it is drawn,
+  // but for what is hidden: about the same share as in the last frame.
+  void select_within(const View& view, const SelectOptions& options) {
+    const auto budget = static_cast<double>(options.budget);
+    const double least_px = options.tolerance_px;
+    sizes_.assign(view, traverser_.objects(), least_px);
+    const bool is_new = std::exchange(last_options_, options) != options || !last_camera_;
+    const bool is_still = !is_new && last_camera_ == view.camera();
+    if (is_new) rest_ = 0;
+    tolerance_px_ = std::max(tolerance_px_, least_px);
+    const double forecast = share_ * sizes_.at(tolerance_px_);
+    const bool may_be_finer = forecast < well_used * budget && tolerance_px_ > least_px && rest_ == 0;
+    if (is_new || forecast > budget) tolerance_px_ = sizes_.tolerance_px(aim * budget / share_);
+    if (may_be_finer) tolerance_px_ = std::min(tolerance_px_, sizes_.tolerance_px(aim * budget / (hope * share_)));
+    if (rest_ > 0 && !is_still) --rest_;
+
+    double goal = aim * budget;
+    for (int tries = 1;; ++tries) {
+      const Frame& frame = traverse(view, options, tolerance_px_);
+      const auto triangles = static_cast<double>(frame.stats.drawn_triangles);
+      share_ = std::clamp(triangles / std::max(sizes_.at(tolerance_px_), 1.0), 1e-3, 1.0);
+      if (triangles > budget && tolerance_px_ < sizes_.coarsest_px()) {
+        tolerance_px_ = sizes_.tolerance_px(goal / share_, tolerance_px_);
+        goal *= aim;
+        rest_ = rest_frames;
+        continue;
+      }
+      const double finer_px = sizes_.tolerance_px(goal / (hope * share_));
+      const bool tries_finer = is_new && tries < 4 && rest_ == 0 && triangles < well_used * budget;
+      if (!tries_finer || !(finer_px < tolerance_px_)) {
+        tell(frame, tolerance_px_);
+        break;
+      }
+      tolerance_px_ = finer_px;
+    }
+    last_camera_ = view.camera();
   }
 
   void tell(const Frame& frame, double tolerance_px) {
@@ -142,8 +125,16 @@ class Selector::Impl {
   Traverser traverser_;
   SoftwareDevice software_;
   NoDevice none_;
-  BudgetTolerance tolerance_;
-  std::optional<Camera> last_camera_;
+  // With a budget:
+  static constexpr double aim = 0.95, well_used = 0.9;  // shares of the budget
+  static constexpr double hope = 0.7;  // finer nodes hide more: share_ is so much less at a finer tolerance
+  // Frames after one that had too many triangles: else a node on the edge of the budget would come and go.
+  static constexpr int rest_frames = 20;
+  FrontSizes sizes_;
+  double tolerance_px_ = 0.0;          // of the last frame
+  double share_ = 1.0;                 // of the triangles inside the frustum, those that it drew
+  int rest_ = 0;                       // frames in which the tolerance does not shrink; a still view waits for ever
+  std::optional<Camera> last_camera_;  // none before the first frame and after something has moved
   SelectOptions last_options_;
   Selection selection_;
 };

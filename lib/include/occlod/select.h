@@ -67,8 +67,8 @@ class Selector {
   // loaded and, where there is a budget, on earlier frames. Of an HLOD with a store, coarser nodes take the place of
   // those whose meshes are missing, which are loaded meanwhile. Throws Error for options out of their range, for a view
   // that is too far from an object, and for a damaged file. O(nodes visited * log(nodes visited)), with occlusion also
-  // O(triangles selected + pixels covered); several times that where the budget was kept in the last frame and would
-  // not be in this one.
+  // O(triangles selected + pixels covered); with a budget also O(nodes), and up to some times all of that in the first
+  // frame and where something large comes into sight.
   const Selection& select(const View& view, const SelectOptions& options = {});
 
  private:
