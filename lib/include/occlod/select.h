@@ -63,12 +63,12 @@ class Selector {
   void set_transform(std::size_t object, const glm::dmat4& object_to_world);
 
   // Returns what to draw in one frame, valid until the next call. Without gaps between nodes where their HLOD has none,
-  // and with nothing hidden that would be visible at a pixel's middle: it depends on the view, the options and what is
-  // loaded and, where there is a budget, on earlier frames. Of an HLOD with a store, coarser nodes take the place of
-  // those whose meshes are missing, which are loaded meanwhile. Throws Error for options out of their range, for a view
-  // that is too far from an object, and for a damaged file. O(nodes visited * log(nodes visited)), with occlusion also
-  // O(triangles selected + pixels covered); with a budget also O(nodes), and up to some times all of that in the first
-  // frame and where something large comes into sight.
+  // and with all that is visible at the middle of a pixel. What it shows depends on the view, the options and what is
+  // loaded; how much of what is hidden it has, and the tolerance where there is a budget, also on earlier frames. Of an
+  // HLOD with a store, coarser nodes take the place of those whose meshes are missing, which are loaded meanwhile.
+  // Throws Error for options out of their range, for a view that is too far from an object, and for a damaged file.
+  // O(nodes visited * log(nodes visited)), with occlusion also O(triangles selected + pixels covered); with a budget
+  // also O(nodes), and up to some times all of that in the first frame and where something large comes into sight.
   const Selection& select(const View& view, const SelectOptions& options = {});
 
  private:
