@@ -3,8 +3,8 @@
 meshes and CAD parts by occlod and by other packages, and prints tables of their time, distance, texture and topology. scripts/bench.sh simplify
 installs the packages and runs this. Packages that are missing, and meshes that are not in OCCLOD_MESHES, are left out by name.
 
-Each measurement is a process of its own on one thread. In each round every tool has its turn; times are the least of all rounds, from arrays to
-arrays, without reading and writing files. Distances and texture slip are those of `occlod compare`; beside them stand those of
+Each measurement is a process of its own on one thread. In each round every tool has its turn, slow ones in the first only; times are the least of
+all rounds, from arrays to arrays, without reading and writing files. Distances and texture slip are those of `occlod compare`; beside them stand those of
 bench/peers/judge.py, which shares no code with it."""
 import argparse
 import csv
@@ -35,6 +35,7 @@ COLUMNS = ["mesh", "percent", "tool", "input_triangles", "target", "triangles", 
 TABLES = {"processor time, ms": ("cpu_ms", 0), "RMS distance, %": ("rms_pct", 4), "maximum distance, %": ("max_pct", 3),
           "normals, degrees RMS": ("normals_deg", 1), "texture slip, %": ("slip_pct", 4), "colour error, %": ("color_error_pct", 2)}
 LIMIT_S = 300
+SLOW_MS = 500
 
 
 def find_mesh(name):
@@ -103,7 +104,9 @@ def rows_of(options, tools, mesh, percent):
         for turn in range(options.rounds):
             for i, (tool, row) in enumerate(rows.items()):
                 output = pathlib.Path(folder, str(i))
-                times = {} if "failure" in row else reduce(options, tool, mesh, target, output)
+                if "failure" in row or row.get("cpu_ms", 0) > SLOW_MS:
+                    continue
+                times = reduce(options, tool, mesh, target, output)
                 row |= {name: min(value, row.get(name, value)) for name, value in times.items()}
         for i, row in enumerate(rows.values()):
             row |= {f"input_{name}": count for name, count in judge.topology.items() if name != "collapsed_triangles"}

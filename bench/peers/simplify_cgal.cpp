@@ -1,5 +1,6 @@
-// bench_simplify_cgal MESH OUTPUT POLICY TRIANGLES: reduces a mesh by CGAL's edge collapse, and prints what that took as
-// JSON. POLICY: lt, Lindstrom and Turk; gh, Garland and Heckbert, with the placement that CGAL's example bounds by normals.
+// bench_simplify_cgal MESH OUTPUT POLICY TRIANGLES: reduces a mesh by CGAL's edge collapse, and prints what that took
+// as JSON. POLICY: lt, Lindstrom and Turk; gh, Garland and Heckbert, with the placement that CGAL's example bounds by
+// normals.
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/repair_polygon_soup.h>
