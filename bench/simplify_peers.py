@@ -126,6 +126,37 @@ def table(rows, percent, title, column, digits):
         print(f"| {tool} | {' | '.join(cells.get((mesh, tool), '') for mesh in meshes)} |")
 
 
+def is_textured(mesh, rows):
+    return any(row["mesh"] == mesh and "slip_pct" in row for row in rows)
+
+
+def summary(rows, title, meshes):
+    """Of each tool the geometric means, over meshes, of what it has over what occlod has."""
+    values = {(row["percent"], row["mesh"], row["tool"]): row for row in rows if row["mesh"] in meshes}
+    percents = list(dict.fromkeys(percent for percent, _, _ in values))
+    print(f"\n{title}: over occlod, geometric means\n\n| | {' | '.join(f'{name}, {percent:g} %' for percent in percents for name in TABLES)} |")
+    print("|---|" + "---|" * len(percents) * len(TABLES))
+    for tool in dict.fromkeys(tool for _, _, tool in values):
+        cells = []
+        for percent in percents:
+            for column, _ in TABLES.values():
+                pairs = [(values.get((percent, mesh, tool), {}).get(column), values[percent, mesh, "occlod"].get(column)) for mesh in meshes]
+                has_all = all(a is not None and b for a, b in pairs)
+                cells.append(f"{numpy.exp(numpy.mean([numpy.log(a / b) for a, b in pairs])):.2f}" if has_all else "")
+        print(f"| {tool} | {' | '.join(cells)} |")
+
+
+def print_tables(rows):
+    for percent in dict.fromkeys(row["percent"] for row in rows):
+        for title, (column, digits) in TABLES.items():
+            table(rows, percent, title, column, digits)
+    meshes = list(dict.fromkeys(row["mesh"] for row in rows))
+    for title, chosen in (("Without textures", [mesh for mesh in meshes if not is_textured(mesh, rows)]),
+                          ("Textured", [mesh for mesh in meshes if is_textured(mesh, rows)])):
+        if chosen:
+            summary(rows, title, chosen)
+
+
 def main():
     parser = argparse.ArgumentParser(description="Reduced meshes beside those of other packages")
     parser.add_argument("--occlod", required=True, help="the command line, with `compare`")
@@ -147,9 +178,7 @@ def main():
                     writer.writeheader()
                     for row in rows:
                         writer.writerow({name: f"{value:.5g}" if isinstance(value, float) else value for name, value in row.items()})
-    for percent in options.percents:
-        for title, (column, digits) in TABLES.items():
-            table(rows, percent, title, column, digits)
+    print_tables(rows)
 
 
 if __name__ == "__main__":
