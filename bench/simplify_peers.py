@@ -163,7 +163,7 @@ def main():
     parser.add_argument("--cgal", help="bench_simplify_cgal; without it CGAL is left out")
     parser.add_argument("--meshoptimizer", help="a shared library of its sources; without it meshoptimizer is left out")
     parser.add_argument("--percents", type=float, nargs="+", default=[10, 2], help="of the triangles that are to be left")
-    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--rounds", type=int, default=2)
     parser.add_argument("--csv", type=pathlib.Path)
     parser.add_argument("meshes", nargs="*", default=MESHES)
     options = parser.parse_args()
