@@ -160,6 +160,8 @@ namespace {
 // Number of faces that are tested together before each is tested alone: larger groups are seldom hidden.
 constexpr std::size_t max_faces_at_once = 8;
 
+Box common(const Box& a, const Box& b) { return {glm::max(a.min, b.min), glm::min(a.max, b.max)}; }
+
 double pixels(float error, float scale_px) { return static_cast<double>(error) * static_cast<double>(scale_px); }
 
 }  // namespace
@@ -212,7 +214,9 @@ const CellCut& CellRefinement::build(const CellBox& cell) {
 void CellRefinement::refine(std::uint32_t object, const CellView& view) {
   const std::span<const SplitId> roots = cuts_[object].hierarchy().data().roots;
   visits_.clear();
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root) visits_.push_back({*root, Sight::unknown, false});
+  const Hierarchy& hierarchy = cuts_[object].hierarchy();
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root)
+    visits_.push_back({.split = *root, .box = hierarchy.node(*root).box()});
   while (!visits_.empty()) {
     const Visit next = visits_.back();
     visits_.pop_back();
@@ -236,32 +240,33 @@ void CellRefinement::visit(std::uint32_t object, const CellView& view, const Vis
     ++result_.stats.hidden_nodes;
     return;
   }
-  visits_.push_back({s, sight, true});
-  const SplitNode& node = cuts_[object].hierarchy().node(s);
-  for (const SplitId child : {node.child_v, node.child_u})
+  visits_.push_back({s, sight, true, visit.box});
+  const Hierarchy& hierarchy = cuts_[object].hierarchy();
+  for (const SplitId child : {hierarchy.node(s).child_v, hierarchy.node(s).child_u})
     if (child != no_id)
-      visits_.push_back({child, sight == Sight::unknown || child == next ? sight : Sight::unseen, false});
+      visits_.push_back({child, sight == Sight::unknown || child == next ? sight : Sight::unseen, false,
+                         common(visit.box, hierarchy.node(child).box())});
 }
 
-// Asks about a node far below first: where that is not hidden, nothing above it is.
+// Asks about a node far below first: where that is not hidden, nothing above it is. Its box is clipped by those between,
+// because packed boxes may stick out of those above them.
 CellRefinement::Sight CellRefinement::sight_of(std::uint32_t object, const CellView& view, const Visit& visit,
                                                SplitId next) {
-  const auto box_of_node = [&](SplitId s) {
-    const SplitNode& node = cuts_[object].hierarchy().node(s);
-    return grown_box(view, node.box(), node.guaranteed_error);
-  };
+  const Hierarchy& hierarchy = cuts_[object].hierarchy();
+  const CellBox box = grown_box(view, visit.box, hierarchy.node(visit.split).guaranteed_error);
   Sight sight = visit.sight;
   if (sight == Sight::unknown) {
-    if (is_seen(box_of_node(visit.split))) return Sight::unknown;
+    if (is_seen(box)) return Sight::unknown;
     sight = Sight::unseen;
   }
   if (sight == Sight::unseen) {
-    SplitId last = visit.split;
-    for (SplitId s = next; s != no_id; s = next_below(object, view, s)) last = s;
-    if (!is_blocked(box_of_node(last))) return Sight::shown;
+    Visit last = visit;
+    for (SplitId s = next; s != no_id; s = next_below(object, view, s))
+      last = {.split = s, .box = common(last.box, hierarchy.node(s).box())};
+    if (!is_blocked(grown_box(view, last.box, hierarchy.node(last.split).guaranteed_error))) return Sight::shown;
     sight = Sight::doubtful;
   }
-  if (sight == Sight::doubtful && (next == no_id || is_blocked(box_of_node(visit.split)))) return Sight::hidden;
+  if (sight == Sight::doubtful && (next == no_id || is_blocked(box))) return Sight::hidden;
   return sight;
 }
 

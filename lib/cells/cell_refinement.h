@@ -143,6 +143,7 @@ class CellRefinement {
     SplitId split = 0;
     Sight sight = Sight::unknown;
     bool is_last = false;  // whether all nodes below have been visited
+    Box box;               // around the subtree
   };
 
   // Visits splits after those below them, which often force them.

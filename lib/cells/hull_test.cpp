@@ -133,7 +133,7 @@ void InnerBoxTest::remember(std::uint32_t box) {
 namespace {
 
 // Where a segment meets more triangles, those near the cell hide most.
-constexpr std::size_t max_seeds = 16;
+constexpr std::size_t max_seeds = 64;
 // Segments that must all be blocked before floods begin: that of the middles and those of the corners. The other inner
 // ones are seldom free where these are not.
 constexpr std::size_t tested_segments = 1 + outer_segments;

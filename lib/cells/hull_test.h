@@ -78,7 +78,7 @@ class HullTest {
     std::size_t floods = 0;
     std::size_t triangles = 0;  // reached by floods
   };
-  static constexpr std::size_t max_triangles = 4096;  // over all floods of a query
+  static constexpr std::size_t max_triangles = 1U << 14U;  // over all floods of a query
 
   // Both arguments must outlive this object. Without boxes only floods are used.
   explicit HullTest(const CellSurface& surface, const InnerBoxes* boxes = nullptr);
