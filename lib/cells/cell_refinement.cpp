@@ -212,9 +212,9 @@ const CellCut& CellRefinement::build(const CellBox& cell) {
 }
 
 void CellRefinement::refine(std::uint32_t object, const CellView& view) {
-  const std::span<const SplitId> roots = cuts_[object].hierarchy().data().roots;
-  visits_.clear();
   const Hierarchy& hierarchy = cuts_[object].hierarchy();
+  const std::span<const SplitId> roots = hierarchy.data().roots;
+  visits_.clear();
   for (auto root = roots.rbegin(); root != roots.rend(); ++root)
     visits_.push_back({.split = *root, .box = hierarchy.node(*root).box()});
   while (!visits_.empty()) {
@@ -227,40 +227,41 @@ void CellRefinement::refine(std::uint32_t object, const CellView& view) {
   }
 }
 
-void CellRefinement::visit(std::uint32_t object, const CellView& view, const Visit& visit) {
-  const SplitId s = visit.split;
+void CellRefinement::visit(std::uint32_t object, const CellView& view, const Visit& entry) {
+  const SplitId s = entry.split;
+  const Hierarchy& hierarchy = cuts_[object].hierarchy();
+  const SplitNode& node = hierarchy.node(s);
   ++result_.stats.nodes;
-  if (is_fine(error_of(object, s), view.largest_scale_px(cuts_[object].hierarchy().node(s).sphere))) {
+  if (is_fine(error_of(object, s), view.largest_scale_px(node.sphere))) {
     ++result_.stats.fine_nodes;
     return;
   }
   const SplitId next = next_below(object, view, s);
-  const Sight sight = hull_test_ ? sight_of(object, view, visit, next) : Sight::unknown;
+  const Sight sight = hull_test_ ? sight_of(object, view, entry, next) : Sight::unknown;
   if (sight == Sight::hidden) {
     ++result_.stats.hidden_nodes;
     return;
   }
-  visits_.push_back({s, sight, true, visit.box});
-  const Hierarchy& hierarchy = cuts_[object].hierarchy();
-  for (const SplitId child : {hierarchy.node(s).child_v, hierarchy.node(s).child_u})
+  visits_.push_back({s, sight, true, entry.box});
+  for (const SplitId child : {node.child_v, node.child_u})
     if (child != no_id)
       visits_.push_back({child, sight == Sight::unknown || child == next ? sight : Sight::unseen, false,
-                         common(visit.box, hierarchy.node(child).box())});
+                         common(entry.box, hierarchy.node(child).box())});
 }
 
-// Asks about a node far below first: where that is not hidden, nothing above it is. Its box is clipped by those between,
-// because packed boxes may stick out of those above them.
-CellRefinement::Sight CellRefinement::sight_of(std::uint32_t object, const CellView& view, const Visit& visit,
+// Asks about a node far below first: where that is not hidden, nothing above it is. Its box is clipped by those
+// between, because packed boxes may stick out of those above them.
+CellRefinement::Sight CellRefinement::sight_of(std::uint32_t object, const CellView& view, const Visit& entry,
                                                SplitId next) {
   const Hierarchy& hierarchy = cuts_[object].hierarchy();
-  const CellBox box = grown_box(view, visit.box, hierarchy.node(visit.split).guaranteed_error);
-  Sight sight = visit.sight;
+  const CellBox box = grown_box(view, entry.box, hierarchy.node(entry.split).guaranteed_error);
+  Sight sight = entry.sight;
   if (sight == Sight::unknown) {
     if (is_seen(box)) return Sight::unknown;
     sight = Sight::unseen;
   }
   if (sight == Sight::unseen) {
-    Visit last = visit;
+    Visit last = entry;
     for (SplitId s = next; s != no_id; s = next_below(object, view, s))
       last = {.split = s, .box = common(last.box, hierarchy.node(s).box())};
     if (!is_blocked(grown_box(view, last.box, hierarchy.node(last.split).guaranteed_error))) return Sight::shown;
@@ -274,8 +275,8 @@ SplitId CellRefinement::next_below(std::uint32_t object, const CellView& view, S
   const Hierarchy& hierarchy = cuts_[object].hierarchy();
   const SplitNode& node = hierarchy.node(s);
   for (const SplitId child : {node.child_u, node.child_v})
-    if (child != no_id && pixels(error_of(object, child), view.largest_scale_px(hierarchy.node(child).sphere)) >
-                              options_.tolerance_px)
+    if (child != no_id &&
+        pixels(error_of(object, child), view.largest_scale_px(hierarchy.node(child).sphere)) > options_.tolerance_px)
       return child;
   return no_id;
 }
@@ -418,8 +419,7 @@ void CellRefinement::sort_by_place(std::span<Face> faces) {
 
 // Asks about several faces together only where the first of them is hidden.
 void CellRefinement::drop_hidden(std::span<const Face> faces, bool is_first_hidden) {
-  if (is_first_hidden && faces.size() <= max_faces_at_once &&
-      (faces.size() == 1 || is_hidden(box_around(faces)))) {
+  if (is_first_hidden && faces.size() <= max_faces_at_once && (faces.size() == 1 || is_hidden(box_around(faces)))) {
     for (const Face& face : faces) drawn_[face.place] = false;
     return;
   }

@@ -104,6 +104,11 @@ class CellImages {
 // displaced by no more than the tolerance since then, as far as Hierarchy::attribute_error() tells. Boxes are grown by
 // the guaranteed error only, because displaced texels move no surface.
 //
+// *Asking less.* Of two boxes, one in the other, the larger is not hidden if the smaller is not. So what is far below
+// is asked about before what is above it, a single face before several, and splits after those that may force them.
+// What the middle of the cell does not see, it does not see a part of. A box that is not asked about counts as not
+// hidden, so none of this can hide more.
+//
 // Which faces turn away decides only what is drawn, never what is refined: the input may face an eye where a coarse
 // version of it does not.
 class CellRefinement {
@@ -143,13 +148,13 @@ class CellRefinement {
     SplitId split = 0;
     Sight sight = Sight::unknown;
     bool is_last = false;  // whether all nodes below have been visited
-    Box box;               // around the subtree
+    Box box;               // around the subtree: what the boxes of the node and of those above have in common
   };
 
   // Visits splits after those below them, which often force them.
   void refine(std::uint32_t object, const CellView& view);
-  void visit(std::uint32_t object, const CellView& view, const Visit& visit);
-  [[nodiscard]] Sight sight_of(std::uint32_t object, const CellView& view, const Visit& visit, SplitId next);
+  void visit(std::uint32_t object, const CellView& view, const Visit& entry);
+  [[nodiscard]] Sight sight_of(std::uint32_t object, const CellView& view, const Visit& entry, SplitId next);
   // Returns the first child that is not within the tolerance, or none. Such a child, its own such child and so on are
   // the chain of a node.
   [[nodiscard]] SplitId next_below(std::uint32_t object, const CellView& view, SplitId s) const;

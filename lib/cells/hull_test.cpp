@@ -243,7 +243,6 @@ bool HullTest::flood_any(const Hull& hull, const CellBox& what, std::span<const 
   return std::any_of(seeds.begin(), seeds.end(), [&](std::uint32_t seed) { return flood(hull, what, seed); });
 }
 
-// Finds which of the seeds the first segment crosses for sure. Where that or their number is unknown, finds none.
 void HullTest::find_crossings(const CellBox& what) {
   crossings_.clear();
   if (parts_ == nullptr || seeds_.size() == max_seeds) return;
@@ -255,8 +254,6 @@ void HullTest::find_crossings(const CellBox& what) {
   }
 }
 
-// Finds what decides about a flood from this triangle: one that reaches all triangles of its part that the segment
-// crosses crosses it as often as the part does. If that is an even number of times, the flood may end there.
 void HullTest::aim(const CellBox& what, std::uint32_t first) {
   left_.clear();
   is_even_ = false;
