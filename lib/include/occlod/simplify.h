@@ -13,8 +13,8 @@ struct SimplifyOptions {
   double boundary_weight = 1.0;   // as BuildOptions::boundary_weight
   double attribute_weight = 0.7;  // as BuildOptions::attribute_weight
   // Whether vertices move from the positions of the input to where the surface fits best: about two thirds of the
-  // distance at the same number of triangles. Borders and seams stay; where there are texture coordinates, vertices
-  // move along their normals only.
+  // distance at the same number of triangles. Borders stay, and without texture coordinates seams too; with them all
+  // vertices move along their normals only.
   bool refit = true;
   int threads = 0;                            // in [0, 1024]; 0: one per core. The result does not depend on it
   std::function<bool(double)> progress = {};  // as BuildOptions::progress; ends at 1
