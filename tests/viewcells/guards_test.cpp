@@ -170,6 +170,20 @@ TEST(HullGuards, AFloodThatIsCutOffHidesNothing) {
   EXPECT_FALSE(hides(wall.positions, wall.triangles, {}));
 }
 
+// A sheet at x = 16 goes on, at y = 1.5, to one at x = 10 that ends at y = -1. The flood from there fails at once; that
+// from the other comes to it by the side, and would be without a border if it ended there.
+TEST(HullGuards, AFloodThatMeetsAFailedOneFails) {
+  std::vector<glm::dvec3> positions = {{10, -1, -8},  {10, -1, 8},  {10, 1.5, -8}, {10, 1.5, 8},
+                                       {16, 1.5, -8}, {16, 1.5, 8}, {16, -8, -8},  {16, -8, 8}};
+  std::vector<Triangle> triangles = {{0, 1, 3}, {0, 3, 2}, {2, 3, 5}, {2, 5, 4}, {4, 5, 7}, {4, 7, 6}};
+  for (const double z : {-2.0, 2.0}) {  // on the segments from corner to corner
+    const auto first = static_cast<VertexId>(positions.size());
+    positions.insert(positions.end(), {{10, 1.7, z - 0.3}, {10, 2.3, z - 0.3}, {10, 2.0, z + 0.5}});
+    triangles.emplace_back(first, first + 1, first + 2);
+  }
+  EXPECT_FALSE(hides(std::move(positions), triangles, {}));
+}
+
 // Many open triangles before a wall, all crossed by the segment from middle to middle, hide nothing themselves.
 TEST(HullTest, AWallHidesBehindManySmallThings) {
   Mesh wall{{{16, -8, -8}, {16, 9, -8}, {16, 9, 8}, {16, -8, 8}}, {{0, 1, 2}, {0, 2, 3}}};
