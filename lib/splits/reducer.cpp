@@ -50,8 +50,12 @@ Reducer::Reducer(const TriangleMesh& mesh, const SimplifyOptions& options)
 
 std::vector<glm::vec3> Reducer::refitted(const ReducedFaces& reduced, std::span<const Triangle> wedges,
                                          std::span<const std::uint8_t> locked) const {
-  const Reduction reduction{std::span(mesh_.positions).first(mesh_.vertex_count()), mesh_.triangles, reduced.target,
-                            reduced.faces};
+  const Reduction reduction{std::span(mesh_.positions).first(mesh_.vertex_count()),
+                            mesh_.triangles,
+                            reduced.target,
+                            reduced.faces,
+                            reduced.minima,
+                            reduced.scale};
   std::vector<std::uint8_t> held = on_seams(reduced.faces, wedges, mesh_.vertex_count());
   for (std::size_t v = 0; v < locked.size(); ++v) held[v] |= locked[v];
   return refit(reduction, held, !mesh_.texture_coordinates.empty(), threads_);
