@@ -40,6 +40,14 @@ TriangleMesh checked_in_spatial_order(const TriangleMesh& mesh, const SimplifyOp
   return in_spatial_order(mesh, thread_count(options.threads));
 }
 
+// The last tetrahedron of a closed surface collapses to nothing.
+[[noreturn]] void refuse(std::size_t triangles, std::size_t most, std::size_t least_possible) {
+  throw Error(
+      {"mesh", "",
+       "has nothing left with at most " + std::to_string(most) + " of its " + std::to_string(triangles) + " triangles",
+       "allow at least " + std::to_string(least_possible) + ", the fewest before all is gone"});
+}
+
 }  // namespace
 
 Reducer::Reducer(const TriangleMesh& mesh, const SimplifyOptions& options)
@@ -70,6 +78,7 @@ TriangleMesh Reducer::reduced(std::size_t max_triangles, std::span<const std::ui
   build.threads = options_.threads;
   build.progress = progress;
   const ReducedFaces reduced = reduce(mesh_, build, locked);
+  if (reduced.faces.empty() && locked.empty()) refuse(mesh_.triangle_count(), max_triangles, reduced.least_possible);
   const std::vector<Triangle>& wedges = reduced.corners.empty() ? reduced.faces : reduced.corners;
   std::vector<glm::vec3> moved;
   if (options_.refit) moved = refitted(reduced, wedges, locked);
@@ -96,11 +105,6 @@ TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles, const
     check(mesh, options);
     result = mesh;
   }
-  if (result.triangles.empty())  // the last tetrahedron of a closed surface collapses to nothing
-    throw Error({"mesh", "",
-                 "has nothing left with at most " + std::to_string(max_triangles) + " of its " +
-                     std::to_string(mesh.triangle_count()) + " triangles",
-                 "allow more: closed surfaces have at least 4"});
   if (options.progress) (void)options.progress(1.0);
   return result;
 }

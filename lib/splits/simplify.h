@@ -133,6 +133,7 @@ struct ReducedFaces {
   // Per vertex of the mesh that is left: the minimum of its quadric, relative to it, in units of 1 / scale.
   std::vector<glm::vec3> minima;
   float scale = 1.0F;
+  std::size_t least_possible = 0;  // where no face is left: how many there were before the last collapse
 };
 
 // Simplifies `mesh` like simplify() down to options.base_triangles, in less time, because it records less. Vertices
