@@ -74,8 +74,8 @@ class DistanceSearch {
   }
 
   // Reduces the mesh to about so many triangles, and keeps it if it is near enough and smaller than the best. Where
-  // only few places are too far, locks the vertices of the input there and tries again, as long as that halves their
-  // number with every second attempt.
+  // only few places are too far, locks the vertices of the input there and tries again, as long as the places become
+  // fewer by a quarter with every second attempt.
   bool try_count(std::size_t count) {
     constexpr int most_attempts = 8;
     const std::vector<std::uint8_t> locked_before = locked_;
@@ -90,7 +90,8 @@ class DistanceSearch {
         best_ = {std::move(reduced), 0.0};
         return true;
       }
-      if (far->size() > std::exchange(before_that, std::exchange(before, far->size())) / 2) break;
+      const std::size_t wanted = std::exchange(before_that, std::exchange(before, far->size())) / 4 * 3;
+      if (far->size() > wanted) break;
       const std::size_t locked = lock(std::move(*far));
       if (locked == 0) break;
       count += locked;  // for what stays, so that nothing else has to go instead
