@@ -2,13 +2,13 @@
 # Sets up, builds and makes the figures of the pages of docs/benchmarks anew, page by page. Results as text, CSV and JSON go to
 # out/bench/PAGE.
 # bench.sh [PAGE...]
-#   PAGE  building, accuracy, refinement, occlusion, hlod, culling, view_cells, devices; all of them when none is named.
+#   PAGE  building, simplify, accuracy, refinement, occlusion, hlod, culling, view_cells, devices; all of them when none is named.
 #         What needs a GPU or many cores is measured by check_gpu.sh, robustness by test.sh, sanitize.sh and fuzz.sh.
 # OCCLOD_MESHES: folders with real meshes, separated by ':'; benchmarks leave out those that are missing and say so.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-pages=(building accuracy refinement occlusion hlod culling view_cells devices)
+pages=(building simplify accuracy refinement occlusion hlod culling view_cells devices)
 programs=build/bench/bench
 
 # run PROGRAM RESULT [OPTION...]: prints what it measures, and keeps it as out/bench/PAGE/RESULT.
@@ -31,6 +31,26 @@ building() {
   run bench_wedges wedges.md --percents 25 10 5 2.5 1 --csv "$out/wedges.csv"
   run bench_hlod_build hlod_build.md --only-time --threads 1 --repeat 3
   run bench_frames frames_vdpm.md --tables vdpm
+}
+
+# The packages of bench/peers/requirements.txt and our own, in a virtual environment; meshoptimizer from a crate that holds its sources.
+simplify() {
+  local venv=$out/venv crate=$out/crate library=()
+  python3 -m venv "$venv"
+  "$venv/bin/pip" install --quiet --disable-pip-version-check -r bench/peers/requirements.txt .
+  if command -v cargo >/dev/null; then
+    mkdir -p "$crate"
+    touch "$crate/lib.rs"
+    printf '%s\n' '[package]' 'name = "peers"' 'version = "0.0.0"' '[lib]' 'path = "lib.rs"' '[dependencies]' 'meshopt = "=0.7.0"' \
+      >"$crate/Cargo.toml"
+    (cd "$crate" && cargo vendor --quiet >/dev/null)
+    library=(--meshoptimizer "$out/libmeshoptimizer.so")
+    c++ -O3 -DNDEBUG -shared -fPIC "$crate"/vendor/meshopt/vendor/src/{allocator,simplifier}.cpp -o "${library[1]}"
+  else
+    echo "cargo is missing: meshoptimizer is left out" >&2
+  fi
+  "$venv/bin/python" -B bench/simplify_peers.py --occlod build/bench/tools/occlod --cgal $programs/bench_simplify_cgal "${library[@]}" \
+    --csv "$out/simplify_peers.csv" | tee "$out/simplify_peers.md"
 }
 
 accuracy() {

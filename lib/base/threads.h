@@ -1,4 +1,4 @@
-// Threads: a companion for pieces of work of a few microseconds, helpers, and parallel loops.
+// Threads: the process's pool, work that its threads share with the calling one, and parallel loops.
 #pragma once
 
 #include <algorithm>
@@ -6,11 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
-#include <mutex>
-#include <system_error>
 #include <thread>
-#include <utility>
-#include <vector>
 
 #include "base/memory.h"
 #include "base/platform.h"
@@ -27,101 +23,66 @@ class ForkMark {
   unsigned count_ = fork_count();
 };
 
-// One thread beside the calling one. It spins briefly while it waits for work, so that a piece starts within a fraction
-// of a microsecond, and sleeps when there is no work for longer. Used by one thread at a time.
-class CompanionThread {
+// Work that threads of the process's pool share with the calling thread. The pool's threads are made when they are
+// first asked for and then live as long as the process: they spin briefly, so that work which follows soon begins
+// within a microsecond, and sleep when there is none. A thread joins as soon as it is free, and perhaps never: other
+// work may keep the pool busy, or the system may have no more threads. So the work must hand out its pieces itself, for
+// instance by a counter, and the caller must be ready to do all of them. Used by one thread at a time.
+class SharedWork {
  public:
-  CompanionThread() = default;
-  ~CompanionThread();
-  CompanionThread(const CompanionThread&) = delete;
-  CompanionThread& operator=(const CompanionThread&) = delete;
+  SharedWork() = default;
+  ~SharedWork() { abandon(); }
+  SharedWork(const SharedWork&) = delete;
+  SharedWork& operator=(const SharedWork&) = delete;
 
-  // Runs `work`, which must live until finish(), on the other thread, or on this one when the system has no more
-  // threads. Precondition: no work is running.
+  // Lets up to `helpers` threads call work(number), each once and with a number of its own in [1, helpers]. `work` must
+  // live until finish() or abandon(). Precondition: no work has been started since.
   template <typename Work>
-  void start(const Work& work) {
+  void start(unsigned helpers, const Work& work) {
+    if (helpers == 0) return;
     work_ = &work;
-    call_ = [](const void* it) { (*static_cast<const Work*>(it))(); };
-    start();
+    call_ = [](const void* it, unsigned number) { (*static_cast<const Work*>(it))(number); };
+    open(helpers);
   }
-  // Waits for the running work, if any, and rethrows its exception.
-  void finish() {
-    wait();
-    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
-  }
-  // Waits for the running work, if any, and drops its exception.
-  void abandon() noexcept {
-    wait();
-    failure_ = nullptr;
-  }
+  // Lets no further thread join, waits for those that have joined, and rethrows the first exception of theirs.
+  void finish();
+  // Does the same, but drops their exceptions.
+  void abandon() noexcept;
 
  private:
-  enum State : std::uint32_t { resting, working, ending };
+  friend class ThreadPool;
 
-  void start();
+  void open(unsigned helpers);
   void wait() noexcept;
-  void forget_lost_thread() noexcept;
-  void run() noexcept;
-  void work() noexcept;
 
-  std::atomic<std::uint32_t> state_ = resting;
   const void* work_ = nullptr;
-  void (*call_)(const void*) = nullptr;
+  void (*call_)(const void*, unsigned) = nullptr;
+  bool is_open_ = false;
+  ForkMark began_;
+  // The pool guards these by its mutex; only working_ is read without it.
+  unsigned wanted_ = 0, joined_ = 0;
+  std::atomic<unsigned> working_ = 0;
   std::exception_ptr failure_;
-  std::thread thread_;  // started with the first work, and again in a child of fork()
-  ForkMark began_;      // of thread_
 };
 
-// Threads that help the calling one; the destructor waits for them.
-class HelperThreads {
- public:
-  HelperThreads() = default;
-  ~HelperThreads() { wait(); }
-  HelperThreads(const HelperThreads&) = delete;
-  HelperThreads& operator=(const HelperThreads&) = delete;
-
-  // Runs `work` on a new thread. Returns false, and runs nothing, when the system has no more threads.
-  template <typename Work>
-  [[nodiscard]] bool start(Work work) {
-    try {
-      threads_.emplace_back([this, work = std::move(work)] {
-        try {
-          work();
-        } catch (...) {
-          note(std::current_exception());
-        }
-      });
-      return true;
-    } catch (const std::system_error&) {
-      return false;
-    }
-  }
-
-  // Waits for all threads; rethrows the first exception that one of them threw.
-  void join() {
-    wait();
-    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
-  }
-
- private:
-  void wait() {
-    for (std::thread& thread : threads_) thread.join();
-    threads_.clear();
-  }
-
-  void note(std::exception_ptr failure) {
-    const std::scoped_lock lock(mutex_);
-    if (!failure_) failure_ = std::move(failure);
-  }
-
-  std::mutex mutex_;
-  std::exception_ptr failure_;
-  std::vector<std::thread> threads_;  // not std::jthread, which some standard libraries lack
-};
+// Calls work(number) on the calling thread, as number 0, and as far as the pool has free threads on up to `threads` - 1
+// others at the same time, as SharedWork does. Rethrows an exception when all have returned.
+template <typename Work>
+void share(unsigned threads, const Work& work) {
+  SharedWork others;
+  others.start(threads - 1, work);
+  work(0U);
+  others.finish();
+}
 
 // Returns `asked`, or the number of cores when it is not positive.
 [[nodiscard]] inline unsigned thread_count(int asked) {
   return asked > 0 ? static_cast<unsigned>(asked) : std::max(1U, std::thread::hardware_concurrency());
+}
+
+// Returns how many of `threads` have something to do when there are so many pieces of work; at least 1.
+[[nodiscard]] inline unsigned thread_count_for(std::size_t pieces, unsigned threads) {
+  return static_cast<unsigned>(std::clamp<std::size_t>(pieces, 1, std::max(threads, 1U)));
 }
 
 inline constexpr std::size_t range_size = 8192;
@@ -138,29 +99,36 @@ void for_each_short_range(std::size_t begin, std::size_t end, const Visit& visit
   }
 }
 
-// Calls visit(begin, end) for consecutive ranges of range_size that together are [0, count), each on any thread; a
-// visit must not touch what others write. Between its ranges the calling thread calls between(next): all ranges before
-// `next` are done or running. If between() or a visit throws, every thread stops after its current range and the
-// exception is rethrown here.
+// Calls visit(begin, end, thread) for consecutive blocks of `size` that together are [0, count), each on any thread; a
+// visit must not touch what others write. The calling thread is number 0, others have numbers below `threads`. Between
+// its blocks the calling thread calls between(next): all blocks before `next` are done or running. If between() or a
+// visit throws, every thread stops after its current block and the exception is rethrown here.
 template <typename Visit, typename Between>
-void for_each_range(std::size_t count, unsigned threads, const Visit& visit, const Between& between) {
+void for_each_block(std::size_t count, std::size_t size, unsigned threads, const Visit& visit, const Between& between) {
   std::atomic<std::size_t> next = 0;
-  const auto work = [&](const auto& after) {
+  share(thread_count_for((count + size - 1) / size, threads), [&](unsigned thread) {
     try {
-      for (std::size_t begin = next.fetch_add(range_size); begin < count; begin = next.fetch_add(range_size)) {
-        visit(begin, std::min(begin + range_size, count));
-        after();
+      for (std::size_t begin = next.fetch_add(size); begin < count; begin = next.fetch_add(size)) {
+        visit(begin, std::min(begin + size, count), thread);
+        if (thread == 0) between(std::min(next.load(), count));
       }
     } catch (...) {
       next = count;
       throw;
     }
-  };
-  HelperThreads others;
-  for (unsigned i = 1; i < threads && i * range_size < count; ++i)
-    if (!others.start([&] { work([] {}); })) break;
-  work([&] { between(std::min(next.load(), count)); });
-  others.join();
+  });
+}
+
+template <typename Visit>
+void for_each_block(std::size_t count, std::size_t size, unsigned threads, const Visit& visit) {
+  for_each_block(count, size, threads, visit, [](std::size_t) {});
+}
+
+// Does the same in blocks of range_size: visit(begin, end).
+template <typename Visit, typename Between>
+void for_each_range(std::size_t count, unsigned threads, const Visit& visit, const Between& between) {
+  for_each_block(
+      count, range_size, threads, [&](std::size_t begin, std::size_t end, unsigned) { visit(begin, end); }, between);
 }
 
 template <typename Visit>
@@ -200,11 +168,12 @@ void for_each_task(std::size_t count, unsigned threads, const MakeWorker& make_w
       throw;
     }
   };
-  HelperThreads others;
-  for (unsigned i = 1; i < threads && i < count; ++i)
-    if (!others.start([&] { work([] {}); })) break;
-  work(between);
-  others.join();
+  share(thread_count_for(count, threads), [&](unsigned number) {
+    if (number == 0)
+      work(between);
+    else
+      work([] {});
+  });
 }
 
 // Calls visit(i) for every i in [0, count), each on any thread, in ascending order on each thread; a visit must not
@@ -216,17 +185,10 @@ void for_each_task(std::size_t count, unsigned threads, const Visit& visit) {
       count, threads, [] { return Nothing{}; }, [&](Nothing, std::size_t i) { visit(i); }, [] {});
 }
 
-// Calls visit(begin, end, part) for `threads` consecutive parts of [0, count), each on its own thread as far as the
-// system has threads.
+// Calls visit(begin, end, part) for `threads` consecutive parts of [0, count), each on any thread.
 template <typename Visit>
 void for_each_part(std::size_t count, unsigned threads, const Visit& visit) {
-  HelperThreads others;
-  for (std::size_t i = 1; i < threads; ++i) {
-    const auto part = [&, i] { visit(count * i / threads, count * (i + 1) / threads, i); };
-    if (!others.start(part)) part();
-  }
-  visit(std::size_t{0}, count / threads, std::size_t{0});
-  others.join();
+  for_each_task(threads, threads, [&](std::size_t i) { visit(count * i / threads, count * (i + 1) / threads, i); });
 }
 
 }  // namespace occlod

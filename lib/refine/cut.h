@@ -67,6 +67,11 @@ class Cut {
   // Calls visit(FaceRef, Triangle) for each active face in the order of applied_splits().
   template <typename Visit>
   void for_each_active(const Visit& visit) const;
+  // Does so for the faces of applied_splits()[begin, end), and for those of the base mesh if `begin` is 0.
+  template <typename Visit>
+  void for_each_active(std::size_t begin, std::size_t end, const Visit& visit) const;
+  // Drops splits from applied_splits() that have been taken back. O(applied splits) if there are any.
+  void drop_taken_back();
 
  private:
   static constexpr std::uint32_t applied_bit = 1U << 31U;
@@ -77,7 +82,6 @@ class Cut {
 
   [[nodiscard]] bool needs_no_other(const SplitStar& star) const;
   void apply(SplitId s);
-  void drop_taken_back();
   void sort_applied();
   void set_removed(const FaceRef& face, bool removed);
   [[nodiscard]] bool removed(const FaceRef& face) const;
@@ -101,11 +105,16 @@ class Cut {
 
 template <typename Visit>
 void Cut::for_each_active(const Visit& visit) const {
+  for_each_active(0, applied_.size(), visit);
+}
+
+template <typename Visit>
+void Cut::for_each_active(std::size_t begin, std::size_t end, const Visit& visit) const {
   constexpr std::size_t ahead = 8;  // stars are not read in the order of memory
   const std::span<const Triangle> base = hierarchy_->data().base_faces;
-  for (std::uint32_t f = 0; f < base.size(); ++f)
+  for (std::uint32_t f = 0; begin == 0 && f < base.size(); ++f)
     if (!base_removed_[f]) visit(FaceRef{no_id, f}, base[f]);
-  for (std::size_t i = 0; i < applied_.size(); ++i) {
+  for (std::size_t i = begin; i < end; ++i) {
     if (i + 2 * ahead < applied_.size()) prefetch(&hierarchy_->node(applied_[i + 2 * ahead]));
     if (i + ahead < applied_.size())
       prefetch(hierarchy_->data().stars.data() + hierarchy_->node(applied_[i + ahead]).star);
@@ -139,6 +148,7 @@ class CutSet {
   // These do for one object what those of Cut do.
   [[nodiscard]] Cut::Closure closure(std::uint32_t object, SplitId s) { return cuts_[object].closure(s); }
   void apply_closure(std::uint32_t object);
+  void drop_taken_back(std::uint32_t object) { cuts_[object].drop_taken_back(); }
   void active_triangles(std::uint32_t object, std::vector<Triangle>& out, bool sorted) {
     cuts_[object].active_triangles(out, sorted);
   }

@@ -236,12 +236,12 @@ void SplitExchange::gather_candidates(float low, float high) {
            found_);
     if (tuning_of(*options).culling == Culling::subtree) evaluation_.evaluate(i, found_);
     leave_out_low(i, low);
-    constexpr std::size_t ahead = 4;
+    worths_.resize(found_.size());
+    evaluation_.find_worths(i, found_, worths_);
     for (std::size_t at = 0; at < found_.size(); ++at) {
-      if (at + ahead < found_.size()) front.prefetch_star(found_[at + ahead]);
       const Front::Index k = found_[at];
+      const SplitWorth& worth = worths_[at];
       const bool again = weighs_again(front, k);
-      const SplitWorth worth = evaluation_.worth(i, k);
       const float priority = again ? worth.own_priority : worth.priority;
       const FrontNode& node = front.node(k);
       if (is_wanted(priority, worth.error))
@@ -292,8 +292,18 @@ void SplitExchange::weigh_leaves(std::uint32_t object) {
   select(evaluation_.errors(object), {.all = Front::applied | Front::leaf, .none = Front::is_new | Front::hidden},
          found_);
   const Front& front = evaluation_.front(object);
-  for (const Front::Index k : found_)
-    if ((front.node(k).split + frame_) % weighing_rounds == 0) weigh_leaf(object, k);
+  std::erase_if(found_, [&](Front::Index k) { return (front.node(k).split + frame_) % weighing_rounds != 0; });
+  const Hierarchy& hierarchy = evaluation_.scene().hierarchy(object);
+  constexpr std::size_t ahead = 4;  // stars and nodes are not read in the order of memory
+  for (std::size_t i = 0; i < found_.size(); ++i) {
+    if (i + 3 * ahead < found_.size()) prefetch(&hierarchy.node(front.node(found_[i + 3 * ahead]).split));
+    if (i + 2 * ahead < found_.size())
+      prefetch(hierarchy.data().stars.data() + hierarchy.node(front.node(found_[i + 2 * ahead]).split).star);
+    if (i + ahead < found_.size())
+      for (const SplitId needed : star_of(hierarchy, front.node(found_[i + ahead]).split).dependencies())
+        front.prefetch_place(needed);
+    weigh_leaf(object, found_[i]);
+  }
 }
 
 void SplitExchange::weigh_leaf(std::uint32_t object, Front::Index k) {
@@ -312,10 +322,11 @@ void SplitExchange::gather_leaves(float low, float high) {
     select(evaluation_.errors(i), {.all = wanted | Front::hidden, .none = Front::is_new}, found_);
     select(evaluation_.leaf_priorities(i),
            {.all = wanted, .none = Front::is_new | Front::hidden, .may_be_below = may_be_below}, found_);
-    if (tuning_of(*options).culling == Culling::subtree) evaluation_.evaluate(i, found_);
-    for (const Front::Index k : found_) {
-      const float priority = leaf_priority(i, k);
-      if (priority >= low && priority < high) enqueue_leaf(i, evaluation_.front(i).node(k).split, priority);
+    worths_.resize(found_.size());
+    evaluation_.find_worths(i, found_, worths_);
+    for (std::size_t at = 0; at < found_.size(); ++at) {
+      const float priority = leaf_priority(worths_[at]);
+      if (priority >= low && priority < high) enqueue_leaf(i, evaluation_.front(i).node(found_[at]).split, priority);
     }
   }
 }
@@ -462,7 +473,7 @@ void SplitExchange::enqueue_new_leaf(std::uint32_t object, SplitId s) {
   // The new leaf may well be hidden too, and then its room is wanted now.
   queries_.ask_about_new_leaf(object, k);
   if (tuning_of(*evaluation_.scene().options).culling == Culling::star) weigh_leaf(object, k);
-  const float priority = leaf_priority(object, k);
+  const float priority = leaf_priority(evaluation_.worth(object, k));
   if (priority < leaves_below_) enqueue_leaf(object, s, priority);
 }
 
@@ -472,8 +483,7 @@ void SplitExchange::enqueue_leaf(std::uint32_t object, SplitId s, float priority
 
 // Returns 0 for leaves that a tolerance makes needless. The result is finite even with the eye inside the bounds, so
 // that every leaf can be given up.
-float SplitExchange::leaf_priority(std::uint32_t object, Front::Index k) {
-  const SplitWorth worth = evaluation_.worth(object, k);
+float SplitExchange::leaf_priority(const SplitWorth& worth) const {
   const RefineOptions* const options = evaluation_.scene().options;
   const double needless = options->tolerance_px * (1.0 - tuning_of(*options).hysteresis);
   if (static_cast<double>(worth.error.guaranteed_px) <= needless) return 0.0F;

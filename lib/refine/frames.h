@@ -196,7 +196,7 @@ class SplitExchange {
   void take_back(std::uint32_t object, SplitId s);
   void enqueue_new_leaf(std::uint32_t object, SplitId s);
   void enqueue_leaf(std::uint32_t object, SplitId s, float priority);
-  [[nodiscard]] float leaf_priority(std::uint32_t object, Front::Index k);
+  [[nodiscard]] float leaf_priority(const SplitWorth& worth) const;
   [[nodiscard]] bool is_old_leaf(const Entry& leaf) const;
 
   FrontEvaluation& evaluation_;
@@ -217,7 +217,8 @@ class SplitExchange {
   std::size_t changes_ = 0;
   ScreenError rejected_;
   UnseenNeeds unseen_needs_;
-  std::vector<Front::Index> found_;  // scratch
+  std::vector<Front::Index> found_;  // scratch, like the next two
+  std::vector<SplitWorth> worths_;
   std::vector<SplitId> sorted_;
 };
 

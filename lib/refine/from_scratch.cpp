@@ -206,12 +206,14 @@ std::size_t EntryQueries::ask_again_about_hidden(EntryQueues& queues, const Grow
   return doubtful_.size() + about_doubtful_.newly_covered.size();
 }
 
-void NodeVisits::begin(const RefinedScene& scene, const EntryQueries& entries, std::span<const Entry> visits) {
+void NodeVisits::begin(const RefinedScene& scene, const EntryQueries& entries, std::span<const Entry> visits,
+                       unsigned threads) {
   constexpr std::size_t piece_size = 64;
   scene_ = scene;
   entries_ = &entries;
   piece_count_ = (visits.size() + piece_size - 1) / piece_size;
   if (pieces_.size() < piece_count_) pieces_.resize(piece_count_);
+  if (scratch_.size() < threads) scratch_.resize(threads);
   for (std::size_t i = 0; i < piece_count_; ++i) {
     const std::span<const Entry> part =
         visits.subspan(i * piece_size, std::min(piece_size, visits.size() - i * piece_size));
@@ -220,7 +222,7 @@ void NodeVisits::begin(const RefinedScene& scene, const EntryQueries& entries, s
   next_ = 0;
 }
 
-void NodeVisits::work(std::size_t thread) {
+void NodeVisits::work(unsigned thread) {
   for (std::size_t i = next_.fetch_add(1); i < piece_count_; i = next_.fetch_add(1)) {
     Piece& piece = pieces_[i];
     piece.by_caller = thread == 0;
@@ -296,7 +298,6 @@ std::uint64_t key_of(std::uint32_t object, SplitId s) { return std::uint64_t{obj
 void FromScratch::refine(const RefinedScene& scene, RefineStats& stats) {
   scene_ = scene;
   stats_ = &stats;
-  threads_ = thread_count(scene.options->threads);
   waits_for_memory_ = scene.options->budget > max_cached_triangles;
   begin();
   run();
@@ -325,7 +326,7 @@ void FromScratch::run() {
     FromScratch* self;
     ~Waits() {
       self->visits_.end();
-      self->companion_.abandon();
+      self->beside_.abandon();
     }
   } waits{this};
   while (!used_up()) {
@@ -358,20 +359,21 @@ void FromScratch::take_visits() {
   if (!std::ranges::is_sorted(taken_visits_, {}, object_of)) std::ranges::stable_sort(taken_visits_, {}, object_of);
 }
 
-// Starts visits, which another thread may work on while splits are applied, until the next occluder is drawn.
+// Starts visits, which other threads may work on while splits are applied, until the next occluder is drawn.
 void FromScratch::start_visits() {
-  visits_.begin(scene_, entries_, taken_visits_);
+  visits_.begin(scene_, entries_, taken_visits_, scene_.threads);
   visits_known_ = false;
   const RefineOptions* const options = scene_.options;
   const bool is_worth_it = tuning_of(*options).culling == Culling::star || waits_for_memory_;
-  if (threads_ > 1 && is_worth_it && visits_.piece_count() > 0 && scene_.queries->many_threads_may_ask())
-    companion_.start(work_beside_);
+  if (!is_worth_it || !scene_.queries->many_threads_may_ask()) return;
+  const auto pieces = static_cast<unsigned>(std::min<std::size_t>(visits_.piece_count(), scene_.threads));
+  beside_.start(std::min(pieces, scene_.threads - 1), work_beside_);
 }
 
 void FromScratch::finish_visits() {
   if (visits_known_) return;
-  visits_.work_as_caller();
-  companion_.finish();
+  visits_.work(0);
+  beside_.finish();
   visits_known_ = true;
   for (const NodeVisits::Piece& piece : visits_.pieces()) entries_.note_answers(piece.questions, piece.by_caller);
 }

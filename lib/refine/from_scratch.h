@@ -153,9 +153,9 @@ class EntryQueries {
   Questions about_doubtful_;
 };
 
-// Visits many nodes at once, in pieces that one or two threads work on, and finds their own splits and their children.
-// The result depends on hierarchies, views and the occluder alone, not on what refinement does meanwhile. Reuses its
-// memory.
+// Visits many nodes at once, in pieces that any number of threads work on, and finds their own splits and their
+// children. The result depends on hierarchies, views and the occluder alone, not on what refinement does meanwhile.
+// Reuses its memory.
 class NodeVisits {
  public:
   struct Child {
@@ -174,12 +174,13 @@ class NodeVisits {
     bool by_caller = false;  // whether the calling thread worked on it
   };
 
-  // Starts new visits. All arguments must outlive the work. Entries of one object should be adjacent in `visits`.
-  void begin(const RefinedScene& scene, const EntryQueries& entries, std::span<const Entry> visits);
+  // Starts new visits by up to `threads` threads. All arguments must outlive the work. Entries of one object should be
+  // adjacent in `visits`.
+  void begin(const RefinedScene& scene, const EntryQueries& entries, std::span<const Entry> visits, unsigned threads);
   [[nodiscard]] std::size_t piece_count() const noexcept { return piece_count_; }
-  // Work on pieces until all are done or under way. Throw Error when a node is damaged or is not where its parent says.
-  void work_as_caller() { work(0); }
-  void work_beside() { work(1); }
+  // Works on pieces until all are done or under way. The calling thread is 0, the others have numbers below `threads`.
+  // Throws Error when a node is damaged or is not where its parent says.
+  void work(unsigned thread);
   // Lets no further piece begin.
   void end() noexcept { next_ = piece_count_; }
   // Returns all pieces, when they are done.
@@ -193,7 +194,6 @@ class NodeVisits {
     std::vector<StarView> stars;
     std::vector<float> scales_px;
   };
-  void work(std::size_t thread);
   void evaluate(Piece& piece, Scratch& scratch) const;
   void evaluate_object(std::span<const Entry> visits, std::span<Found> found, Scratch& scratch) const;
 
@@ -202,7 +202,7 @@ class NodeVisits {
   std::vector<Piece> pieces_;
   std::size_t piece_count_ = 0;
   std::atomic<std::size_t> next_ = 0;
-  std::array<Scratch, 2> scratch_;
+  std::vector<Scratch> scratch_;  // by thread
 };
 
 // Refines once, from the base meshes to the end of the budget:
@@ -272,7 +272,6 @@ class FromScratch {
   EntryQueues queues_;
   EntryQueries entries_;
   Victims victims_;
-  unsigned threads_ = 1;
   bool waits_for_memory_ = false;  // whether the budget is too large for the caches
 
   // The nodes being visited, sorted by object, and what is found there.
@@ -282,9 +281,9 @@ class FromScratch {
   NodeVisits visits_;
   struct WorkBeside {
     NodeVisits& visits;
-    void operator()() const { visits.work_beside(); }
+    void operator()(unsigned thread) const { visits.work(thread); }
   } work_beside_{visits_};
-  CompanionThread companion_;
+  SharedWork beside_;
 
   // The next splits, in order, and the index of the one whose turn it is.
   std::vector<Entry> applies_;

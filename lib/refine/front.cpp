@@ -178,22 +178,20 @@ void Front::set(Index k, Flag flag, bool on) noexcept {
   flags_[k] = static_cast<std::uint16_t>(any_hidden ? changed | hidden : changed & ~unsigned{hidden});
 }
 
-const FrontStar& Front::star(Index k) {
+void Front::read_star(Index k) {
   FrontNode& node = nodes_[k];
-  if (node.star == FrontNode::no_star) {
-    const SplitStar star = star_of(*hierarchy_, node.split);
-    star.for_each_face([&](const Triangle& t) {
-      for (int corner = 0; corner < 3; ++corner) hierarchy_->require_vertex(t[corner]);
-    });
-    if (free_stars_.empty()) {
-      free_stars_.push_back(static_cast<std::uint32_t>(stars_.size()));
-      stars_.emplace_back();
-    }
-    node.star = free_stars_.back();
-    free_stars_.pop_back();
-    stars_[node.star] = planes_of(star, hierarchy_->positions());
+  if (node.star != FrontNode::no_star) return;
+  const SplitStar star = star_of(*hierarchy_, node.split);
+  star.for_each_face([&](const Triangle& t) {
+    for (int corner = 0; corner < 3; ++corner) hierarchy_->require_vertex(t[corner]);
+  });
+  if (free_stars_.empty()) {
+    free_stars_.push_back(static_cast<std::uint32_t>(stars_.size()));
+    stars_.emplace_back();
   }
-  return stars_[node.star];
+  node.star = free_stars_.back();
+  free_stars_.pop_back();
+  stars_[node.star] = planes_of(star, hierarchy_->positions());
 }
 
 }  // namespace occlod

@@ -116,7 +116,7 @@ struct alignas(64) FrontNode {
   Sphere sphere;
   NormalCone cone;
   SplitId split = no_id;
-  std::uint32_t star = no_star;     // see Front::star()
+  std::uint32_t star = no_star;     // index in Front::stars_
   std::uint16_t level = 0;          // level in the forest, 0 at roots; stays at the largest number
   std::uint16_t subtree_shown = 0;  // low bits of the number of the last occluder that showed its subtree
   std::uint16_t star_shown = 0;     // low bits of the number of the last occluder that showed its star
@@ -175,6 +175,8 @@ class Front {
   [[nodiscard]] std::size_t size() const noexcept { return nodes_.size(); }
   // Returns the index of s, or none.
   [[nodiscard]] Index find(SplitId s) const noexcept { return slots_[s] == 0 ? none : slots_[s] - 1; }
+  // Prefetches what find() reads.
+  void prefetch_place(SplitId s) const noexcept { prefetch(&slots_[s]); }
   // Returns the index of s, and adds its node if there is none. Throws Error when s is damaged.
   Index obtain(SplitId s);
   // Removes a node and moves the last one into its place.
@@ -205,8 +207,16 @@ class Front {
   [[nodiscard]] float& forced_weight(Index k) noexcept { return forced_weights_[k]; }
   [[nodiscard]] std::span<const float> forced_weights() const noexcept { return forced_weights_; }
 
-  // Returns the faces of a node's split, which are read on first use. Throws Error when they are damaged.
-  const FrontStar& star(Index k);
+  // Reads the faces of a node's split, unless that has been done. Throws Error when they are damaged.
+  void read_star(Index k);
+  // Returns the faces of a node's split; null before read_star().
+  [[nodiscard]] const FrontStar* known_star(Index k) const noexcept {
+    return nodes_[k].star == FrontNode::no_star ? nullptr : &stars_[nodes_[k].star];
+  }
+  const FrontStar& star(Index k) {
+    read_star(k);
+    return *known_star(k);
+  }
   // Prefetches the faces of a node's split.
   void prefetch_star(Index k) const noexcept {
     if (nodes_[k].star == FrontNode::no_star) return;

@@ -1,12 +1,14 @@
 #include "refine/front_evaluation.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
 
 #include "base/arithmetic.h"
+#include "base/threads.h"
 #include "refine/tuning.h"
 #include "refine/weigh.h"
 
@@ -113,6 +115,10 @@ FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors, c
 
 namespace {
 
+// Fewer nodes, or stars, are not worth another thread.
+constexpr std::size_t nodes_in_a_block = 1024, stars_in_a_block = 128;
+constexpr std::size_t stars_ahead = 4;  // that are prefetched
+constexpr SplitWorth not_found = {-1.0F, 0.0F, {}};
 // Larger sums of motion count as rounded too much: in diagonals of the object, and in radians.
 constexpr double max_motion = 64.0;
 // Beyond these diagonals of objects, sums of squares near them might leave the range of floats.
@@ -227,9 +233,11 @@ void FrontEvaluation::evaluate(std::uint32_t object, std::span<const Front::Inde
   expired_.clear();
   for (const Front::Index k : nodes)
     if (!of.front.scales().is_exact(k)) expired_.push_back(k);
-  weigh_nodes(
-      of.front, expired_,
-      {scene_.views[object], scene_.gate->tests_cone(object), of.motion, center_of(scene_.hierarchy(object).box())});
+  const WeighingView now = {scene_.views[object], scene_.gate->tests_cone(object), of.motion,
+                            center_of(scene_.hierarchy(object).box())};
+  for_each_block(expired_.size(), nodes_in_a_block, scene_.threads, [&](std::size_t begin, std::size_t end, unsigned) {
+    weigh_nodes(of.front, std::span(expired_).subspan(begin, end - begin), now);
+  });
 }
 
 void FrontEvaluation::evaluate_expired(std::uint32_t object) {
@@ -241,37 +249,77 @@ void FrontEvaluation::evaluate_expired(std::uint32_t object) {
 }
 
 SplitWorth FrontEvaluation::worth(std::uint32_t object, Front::Index k) {
-  Object& of = objects_[object];
-  Front& front = of.front;
+  const RefineOptions* const options = scene_.options;
+  // A star has its own scale; whether the node is seen is known from earlier frames.
+  const bool by_star = tuning_of(*options).culling == Culling::star;
+  if (!by_star || objects_[object].front.scales().is_outdated(k)) evaluate(object, {&k, 1});
+  if (const std::optional<SplitWorth> worth = find_worth(object, k)) return *worth;
+  return worth_of_other(object, k);
+}
+
+void FrontEvaluation::find_worths(std::uint32_t object, std::span<const Front::Index> nodes,
+                                  std::span<SplitWorth> worths) {
   const RefineOptions* const options = scene_.options;
   const bool by_star = tuning_of(*options).culling == Culling::star;
-  // A star has its own scale; whether the node is seen is known from earlier frames.
-  if (!by_star || front.scales().is_outdated(k)) evaluate(object, {&k, 1});
-  if (front.is(k, Front::hidden)) return {};
+  const Front& front = objects_[object].front;
+  outdated_.clear();
+  for (const Front::Index k : nodes)
+    if (!by_star || front.scales().is_outdated(k)) outdated_.push_back(k);
+  evaluate(object, outdated_);
+  std::atomic<bool> any_other = false;
+  for_each_block(nodes.size(), stars_in_a_block, scene_.threads, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (i + stars_ahead < end) front.prefetch_star(nodes[i + stars_ahead]);
+      const std::optional<SplitWorth> worth = find_worth(object, nodes[i]);
+      worths[i] = worth.value_or(not_found);
+      if (!worth) any_other = true;
+    }
+  });
+  if (!any_other) return;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (worths[i].priority == not_found.priority) worths[i] = worth_of_other(object, nodes[i]);
+}
+
+// Returns the worth of a node that has been evaluated, or nothing when that takes worth_of_other(). Several threads may
+// call this for different nodes.
+std::optional<SplitWorth> FrontEvaluation::find_worth(std::uint32_t object, Front::Index k) {
+  Object& of = objects_[object];
+  Front& front = of.front;
+  if (front.is(k, Front::hidden)) return SplitWorth{};
   if (!(front.scales().value[k] > 0.0F)) {
     front.priorities().put(k, 0.0F, while_unseen, of.motion);
     front.visible_share(k) = 0.0F;
-    return {};
+    return SplitWorth{};
   }
-  if (by_star) return worth_by_star(object, k);
-  const ScreenError error = front.error_at_most(k);
-  return {error.quadric_px, error.quadric_px, error};
+  const RefineOptions* const options = scene_.options;
+  if (tuning_of(*options).culling == Culling::subtree) {
+    const ScreenError error = front.error_at_most(k);
+    return SplitWorth{error.quadric_px, error.quadric_px, error};
+  }
+  const FrontStar* const star = front.known_star(k);
+  const ObjectView& view = scene_.views[object];
+  if (star == nullptr || star->has_too_many || !is_wholly_inside(star->sphere, view)) return std::nullopt;
+  return note(
+      object, k,
+      front_priority(*star, {front.errors()[k], front.guaranteed_errors()[k]},
+                     {view, scene_.importances[object], scene_.objects[object].two_sided,
+                      static_cast<float>(tuning_of(*options).grazing_exponent),
+                      static_cast<float>(2.0 * tan_corner_angle(view)), center_of(scene_.hierarchy(object).box())}));
 }
 
-SplitWorth FrontEvaluation::worth_by_star(std::uint32_t object, Front::Index k) {
+// Returns the worth of a split whose star has not been read yet, has many faces, or is not wholly inside the frustum.
+SplitWorth FrontEvaluation::worth_of_other(std::uint32_t object, Front::Index k) {
+  Front& front = objects_[object].front;
+  if (front.known_star(k) == nullptr) {
+    front.read_star(k);
+    if (const std::optional<SplitWorth> worth = find_worth(object, k)) return *worth;
+  }
+  return note(object, k, {scene_.importances[object].of(front.node(k).split), {}});
+}
+
+// Keeps what the star of a node is worth.
+SplitWorth FrontEvaluation::note(std::uint32_t object, Front::Index k, const FrontPriority& found) {
   Object& of = objects_[object];
-  const RefineOptions* const options = scene_.options;
-  Importance& importance = scene_.importances[object];
-  const ObjectView& view = scene_.views[object];
-  const FrontStar& star = of.front.star(k);
-  FrontPriority found;
-  if (!star.has_too_many && is_wholly_inside(star.sphere, view))
-    found = front_priority(
-        star, {of.front.errors()[k], of.front.guaranteed_errors()[k]},
-        {view, importance, scene_.objects[object].two_sided, static_cast<float>(tuning_of(*options).grazing_exponent),
-         static_cast<float>(2.0 * tan_corner_angle(view)), center_of(scene_.hierarchy(object).box())});
-  else
-    found.value = importance.of(of.front.node(k).split);
   const bool is_seen = found.value.visible_share > 0.0F;
   const float priority = is_seen ? found.value.priority : 0.0F;
   of.front.priorities().put(k, priority, found.growth, of.motion);

@@ -83,6 +83,9 @@ class FrontEvaluation {
   [[nodiscard]] float priority_at_most(std::uint32_t object, Front::Index k) const;
   // Returns what the split of a node is worth.
   [[nodiscard]] SplitWorth worth(std::uint32_t object, Front::Index k);
+  // Returns the same for many nodes, each listed once, on as many threads as the options allow; `worths` has the size
+  // of `nodes`.
+  void find_worths(std::uint32_t object, std::span<const Front::Index> nodes, std::span<SplitWorth> worths);
 
   // Counts applied splits, and those whose subtrees matter no more than `least`.
   [[nodiscard]] AppliedCount count_applied(float least) const;
@@ -102,14 +105,16 @@ class FrontEvaluation {
   };
 
   void move(std::uint32_t object);
-  [[nodiscard]] SplitWorth worth_by_star(std::uint32_t object, Front::Index k);
+  [[nodiscard]] std::optional<SplitWorth> find_worth(std::uint32_t object, Front::Index k);
+  [[nodiscard]] SplitWorth worth_of_other(std::uint32_t object, Front::Index k);
+  SplitWorth note(std::uint32_t object, Front::Index k, const FrontPriority& found);
   void measure_unreached(std::uint32_t object, const BoundedProducts& of, float so_far, ScreenError& left);
   void measure_unapplied(std::uint32_t object, const BoundedProducts& of, float so_far, ScreenError& left);
 
   RefinedScene scene_;
   std::vector<Object> objects_;
   std::optional<View> last_view_;
-  std::vector<Front::Index> found_, expired_;  // scratch
+  std::vector<Front::Index> found_, expired_, outdated_;  // scratch
 };
 
 }  // namespace occlod

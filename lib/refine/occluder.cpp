@@ -8,6 +8,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "base/threads.h"
 #include "splits/star.h"
 
 namespace occlod {
@@ -322,37 +323,63 @@ void TileOccluder::write(std::uint32_t object, const ObjectView& view, std::vect
 
 namespace {
 
-// Drops faces that show their backs: they are not drawn and so hide nothing, and on a closed surface they lie behind
-// its front faces. Faces that are not finite or too small to tell stay.
-void drop_back_faces(std::span<const glm::vec3> positions, const glm::vec3& eye, std::vector<Triangle>& triangles) {
-  std::size_t kept = 0;
-  for (const Triangle& t : triangles) {
-    const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
-    const bool is_back = glm::dot(glm::cross(b - a, c - a), eye - a) < 0.0F;
-    triangles[kept] = t;
-    kept += is_back ? 0 : 1;
-  }
-  triangles.resize(kept);
+// Splits whose faces are one part: enough for a thread to be worth while.
+constexpr std::size_t splits_in_a_part = 1024;
+
+bool shows_back(const Triangle& t, std::span<const glm::vec3> positions, const glm::vec3& eye) {
+  const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
+  return glm::dot(glm::cross(b - a, c - a), eye - a) < 0.0F;
+}
+
+// Writes the faces of some applied splits. Unless both sides are seen, faces that show their backs are left out: they
+// are not drawn and so hide nothing, and on a closed surface they lie behind its front faces. Faces that are not finite
+// or too small to tell stay.
+void write_faces(const Cut& cut, std::size_t first_split, const glm::vec3& eye, bool two_sided,
+                 std::vector<Triangle>& out) {
+  const std::span<const glm::vec3> positions = cut.hierarchy().positions();
+  const std::size_t end = std::min(first_split + splits_in_a_part, cut.applied_splits().size());
+  out.clear();
+  cut.for_each_active(first_split, end, [&](const FaceRef&, const Triangle& t) {
+    if (two_sided || !shows_back(t, positions, eye)) out.push_back(t);
+  });
 }
 
 }  // namespace
 
 std::span<const OccluderPart> Occluder::build(std::span<const RefineObject> objects, CutSet& cuts, const View& view,
-                                              std::span<const ObjectView> views, OccluderMode mode) {
-  parts_.resize(cuts.size());
+                                              std::span<const ObjectView> views, OccluderMode mode, unsigned threads) {
   result_.clear();
-  const bool is_paper = mode == OccluderMode::paper;
-  if (!is_paper) build_conservative(objects, cuts, view, views);
-  for (std::uint32_t i = 0; i < cuts.size(); ++i) {
-    Part& part = parts_[i];
-    const std::span<const glm::vec3> positions = cuts[i].hierarchy().positions();
-    if (is_paper) {
-      cuts.active_triangles(i, part.triangles, false);
-      if (!objects[i].two_sided) drop_back_faces(positions, views[i].eye(), part.triangles);
-    }
-    result_.push_back({i, is_paper ? positions : std::span<const glm::vec3>(part.positions), part.triangles});
-  }
+  if (mode == OccluderMode::paper)
+    build_of_cuts(objects, cuts, views, threads);
+  else
+    build_conservative(objects, cuts, view, views);
   return result_;
+}
+
+void Occluder::begin_part(std::size_t i, std::uint32_t object, std::size_t first_split) {
+  if (parts_.size() == i) parts_.emplace_back();
+  parts_[i].object = object;
+  parts_[i].first_split = first_split;
+}
+
+void Occluder::build_of_cuts(std::span<const RefineObject> objects, CutSet& cuts, std::span<const ObjectView> views,
+                             unsigned threads) {
+  std::size_t parts = 0;
+  for (std::uint32_t i = 0; i < cuts.size(); ++i) {
+    cuts.drop_taken_back(i);
+    std::size_t first = 0;
+    do {
+      begin_part(parts++, i, first);
+      first += splits_in_a_part;
+    } while (first < cuts[i].applied_splits().size());
+  }
+  for_each_block(parts, 1, threads, [&](std::size_t at, std::size_t, unsigned) {
+    Part& part = parts_[at];
+    write_faces(cuts[part.object], part.first_split, views[part.object].eye(), objects[part.object].two_sided,
+                part.triangles);
+  });
+  for (const Part& part : std::span(parts_).first(parts))
+    result_.push_back({part.object, cuts.hierarchy(part.object).positions(), part.triangles});
 }
 
 void Occluder::build_conservative(std::span<const RefineObject> objects, CutSet& cuts, const View& view,
@@ -360,6 +387,7 @@ void Occluder::build_conservative(std::span<const RefineObject> objects, CutSet&
   hold_motions(cuts);
   tiles_.begin(view);
   for (std::uint32_t i = 0; i < cuts.size(); ++i) {
+    begin_part(i, i, 0);
     cuts.active_triangles(i, parts_[i].triangles, true);  // also sorts the applied splits
     find_vertices(cuts[i], *motions_[i]);
     find_faces(cuts[i], *motions_[i]);
@@ -369,6 +397,7 @@ void Occluder::build_conservative(std::span<const RefineObject> objects, CutSet&
     parts_[i].positions.clear();
     parts_[i].triangles.clear();
     tiles_.write(i, views[i], parts_[i].positions, parts_[i].triangles);
+    result_.push_back({i, parts_[i].positions, parts_[i].triangles});
   }
 }
 

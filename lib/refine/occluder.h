@@ -131,19 +131,22 @@ class TileOccluder {
   std::vector<double> min_border_;
 };
 
-// Builds the mesh that hides from the current cuts of all objects. Reuses its memory. In mode paper, the parts are
-// triangles of the hierarchy's own vertices, in no order, without back faces except for two-sided objects. In mode
+// Builds the mesh that hides from the current cuts of all objects. Reuses its memory. In mode paper, the parts, several
+// for a large object, are triangles of the hierarchy's own vertices, in no order, without back faces except for
+// two-sided objects. In mode
 // conservative, they are squares on tiles of the image.
 class Occluder {
  public:
   // Builds the occluder. `cuts` and `views`, of `view`, are per object. The result is valid until the next call. O(n)
-  // for n triangles; in mode conservative O(n log n + tiles touched), and once for each hierarchy the time of
-  // motion_of().
+  // for n triangles, on `threads` threads; in mode conservative O(n log n + tiles touched), on one, and once for each
+  // hierarchy the time of motion_of().
   std::span<const OccluderPart> build(std::span<const RefineObject> objects, CutSet& cuts, const View& view,
-                                      std::span<const ObjectView> views, OccluderMode mode);
+                                      std::span<const ObjectView> views, OccluderMode mode, unsigned threads = 1);
 
  private:
   struct Part {
+    std::uint32_t object = 0;
+    std::size_t first_split = 0;       // in the order of the cut; not conservative
     std::vector<glm::vec3> positions;  // corners of squares; conservative only
     std::vector<Triangle> triangles;
   };
@@ -153,8 +156,11 @@ class Occluder {
     bool is_marked = false;
   };
 
+  void build_of_cuts(std::span<const RefineObject> objects, CutSet& cuts, std::span<const ObjectView> views,
+                     unsigned threads);
   void build_conservative(std::span<const RefineObject> objects, CutSet& cuts, const View& view,
                           std::span<const ObjectView> views);
+  void begin_part(std::size_t i, std::uint32_t object, std::size_t first_split);
   void hold_motions(const CutSet& cuts);
   void find_vertices(const Cut& cut, const SurfaceMotion& motion);
   void add_vertex(const Cut& cut, const SurfaceMotion& motion, VertexId v, SplitId first);

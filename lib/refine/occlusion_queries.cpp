@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/platform.h"
+#include "base/threads.h"
 #include "base/timing.h"
 #include "occlod/base.h"
 #include "refine/star_visibility.h"
@@ -79,8 +80,16 @@ Entry::Kind OcclusionQueries::split_question() const {
 }
 
 void OcclusionQueries::ask(std::span<const Entry> entries, std::span<Verdict> verdicts) {
+  constexpr std::size_t block = 4 * min_at_once;
   const Clock::time_point start = Clock::now();
-  find(entries, verdicts, scratch_);
+  const unsigned threads = many_threads_may_ask() ? scene_.threads : 1;
+  if (scratch_.size() < threads) scratch_.resize(threads);
+  if (threads > 1)
+    for_each_block(entries.size(), block, threads, [&](std::size_t begin, std::size_t end, unsigned thread) {
+      find(entries.subspan(begin, end - begin), verdicts.subspan(begin, end - begin), scratch_[thread]);
+    });
+  else
+    find(entries, verdicts, scratch_[0]);
   count(entries, verdicts, milliseconds_since(start));
 }
 
@@ -103,8 +112,8 @@ void OcclusionQueries::count(std::span<const Entry> entries, std::span<const Ver
   counts_.asked += entries.size();
   for (std::size_t i = 0; i < entries.size(); ++i) {
     if (!verdicts[i].visible) ++counts_.hidden;
-    const glm::vec3& center = scene_.cuts->hierarchy(entries[i].object).node(entries[i].split).sphere.center;
-    scene_.gate->answered(entries[i].object, entries[i].kind, center, entries[i].error.quadric_px, verdicts[i].visible);
+    scene_.gate->answered(entries[i].object, entries[i].kind, verdicts[i].region, entries[i].error.quadric_px,
+                          verdicts[i].visible);
   }
 }
 
@@ -126,7 +135,14 @@ void OcclusionQueries::find_vertices_that_show(std::span<const Entry> entries, s
     visibility_->find_visible_points(entries[first].object, std::span(scratch.vertices).subspan(first, end - first),
                                      std::span(scratch.vertex_shows).subspan(first, end - first));
   }
-  for (std::size_t i = 0; i < entries.size(); ++i) verdicts[i] = {true, scratch.vertex_shows[i] != 0};
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    verdicts[i] = {true, scratch.vertex_shows[i] != 0, false, region_of(entries[i])};
+}
+
+std::uint8_t OcclusionQueries::region_of(const Entry& entry) const {
+  static_assert(effect_region_count <= 256);
+  const glm::vec3& center = scene_.cuts->hierarchy(entry.object).node(entry.split).sphere.center;
+  return static_cast<std::uint8_t>(scene_.gate->region_of(entry.object, center));
 }
 
 // Asks about those whose vertices do not show.
@@ -216,7 +232,7 @@ VisibilityQuery OcclusionQueries::query_about(const Entry& entry) const {
 void OcclusionQueries::draw_occluder(CutSet& cuts) {
   const RefineOptions* const options = scene_.options;
   const std::span<const OccluderPart> parts =
-      occluder_.build(scene_.objects, cuts, *scene_.view, scene_.views, options->mode);
+      occluder_.build(scene_.objects, cuts, *scene_.view, scene_.views, options->mode, scene_.threads);
   const Clock::time_point start = Clock::now();
   visibility_->draw_occluder(parts);
   milliseconds_ += milliseconds_since(start);

@@ -57,11 +57,13 @@ class EffectGate {
     if (regions == all_effect_regions) return true;
     return regions != 0 && ((regions >> objects_[object].grid.region_of(center)) & 1U) != 0;
   }
-  // Counts the answer about a star or subtree around `center` whose error is error_px.
-  void answered(std::uint32_t object, Entry::Kind kind, const glm::vec3& center, float error_px,
-                bool visible) noexcept {
+  [[nodiscard]] std::size_t region_of(std::uint32_t object, const glm::vec3& center) const noexcept {
+    return objects_[object].grid.region_of(center);
+  }
+  // Counts the answer about a star or subtree in a region whose error is error_px.
+  void answered(std::uint32_t object, Entry::Kind kind, std::size_t in_region, float error_px, bool visible) noexcept {
     using Region = ObjectEffectStats::Region;
-    Region& region = stats_[object].regions[objects_[object].grid.region_of(center)];
+    Region& region = stats_[object].regions[in_region];
     ++region.queries;
     if (visible) return;
     ++region.hidden;
@@ -90,6 +92,7 @@ struct QueriedScene {
   EffectGate* gate = nullptr;
   const View* view = nullptr;
   const RefineOptions* options = nullptr;
+  unsigned threads = 1;  // that may work on it
 };
 
 // Asks a backend by the rules of the options, draws its occluders, and tells each answer to the gate. Reuses its
@@ -120,6 +123,7 @@ class OcclusionQueries {
     // Whether something else is before this vertex, or it is beside the image, though the star is visible. About stars
     // only, and only where the backend tests points.
     bool covered = false;
+    std::uint8_t region = 0;  // of the object that was asked about
   };
   // Holds scratch memory of find().
   struct Scratch {
@@ -137,7 +141,7 @@ class OcclusionQueries {
   // Counts answers. entry.error tells the gate what a hidden subtree is worth; the caller has spent `milliseconds` on
   // them.
   void count(std::span<const Entry> entries, std::span<const Verdict> verdicts, double milliseconds);
-  // Calls find() and count(), and measures the time.
+  // Calls find(), on as many threads as the options allow, and count(), and measures the time.
   void ask(std::span<const Entry> entries, std::span<Verdict> verdicts);
   [[nodiscard]] bool many_threads_may_ask() const noexcept { return visibility_->answers_many_threads(); }
   // Draws the current cuts as the occluder.
@@ -154,6 +158,7 @@ class OcclusionQueries {
   [[nodiscard]] double milliseconds() const noexcept { return milliseconds_; }
 
  private:
+  [[nodiscard]] std::uint8_t region_of(const Entry& entry) const;
   void find_vertices_that_show(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
   void ask_about_bounds(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
   void find_covered(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
@@ -166,7 +171,7 @@ class OcclusionQueries {
   Counts counts_;
   double milliseconds_ = 0.0;
   Occluder occluder_;
-  Scratch scratch_;
+  std::vector<Scratch> scratch_;  // by thread
 };
 
 }  // namespace occlod

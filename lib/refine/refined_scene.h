@@ -23,6 +23,7 @@ struct RefinedScene {
   OcclusionQueries* queries = nullptr;
   const View* view = nullptr;
   const RefineOptions* options = nullptr;
+  unsigned threads = 1;  // that may work on it
 
   [[nodiscard]] const Hierarchy& hierarchy(std::uint32_t object) const { return cuts->hierarchy(object); }
 };

@@ -10,6 +10,7 @@
 
 #include "base/option_checker.h"
 #include "base/placement.h"
+#include "base/threads.h"
 #include "base/timing.h"
 #include "occlod/base.h"
 #include "refine/frames.h"
@@ -175,13 +176,14 @@ class Refiner::Impl {
     for (const RefineObject& object : objects_) views_.emplace_back(view, object.object_to_world);
     for (std::size_t i = 0; i < objects_.size(); ++i) importances_[i].begin(views_[i], options_);
     gate_.begin(objects_, options_);
-    queries_.begin(visibility, {objects_, views_, &cuts_, &gate_, &view, &options_});
+    queries_.begin(visibility, {objects_, views_, &cuts_, &gate_, &view, &options_, thread_count(options_.threads)});
     stats_ = {};
     stats_.budget = options.budget;
   }
 
   [[nodiscard]] RefinedScene scene(const View& view) {
-    return {objects_, views_, importances_, &cuts_, &gate_, &queries_, &view, &options_};
+    return {
+        objects_, views_, importances_, &cuts_, &gate_, &queries_, &view, &options_, thread_count(options_.threads)};
   }
 
   // Refines the cuts for update(), from the frame before or from scratch.

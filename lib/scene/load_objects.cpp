@@ -203,7 +203,7 @@ SharedHlod build(const SceneDescription& scene, const std::filesystem::path& fol
   const CleanMesh input = flatten_scene(scene, folder, options.progress);
   hlod::HlodBuildOptions build = options.build_hlod;
   build.progress = [&](double done) {
-    if (options.progress) options.progress("building " + scene.name, done);
+    if (options.progress) options.progress("building " + (scene.name.empty() ? "the scene" : scene.name), done);
     return !options.build_hlod.progress || options.build_hlod.progress(done);
   };
   auto hlod = std::make_shared<const hlod::Hlod>(build_hlod(input.mesh, build));

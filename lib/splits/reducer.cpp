@@ -12,7 +12,7 @@
 namespace occlod {
 namespace {
 
-// Marks the vertices whose corners have several wedges: seams of the texture stay where they are.
+// Marks the vertices whose corners have several wedges: creases and edges of colours stay where they are.
 std::vector<std::uint8_t> on_seams(std::span<const Triangle> faces, std::span<const Triangle> wedges,
                                    std::size_t vertex_count) {
   std::vector<WedgeId> first(vertex_count, no_id);
@@ -45,7 +45,7 @@ TriangleMesh checked_in_spatial_order(const TriangleMesh& mesh, const SimplifyOp
   throw Error(
       {"mesh", "",
        "has nothing left with at most " + std::to_string(most) + " of its " + std::to_string(triangles) + " triangles",
-       "allow at least " + std::to_string(least_possible) + ", the fewest before all is gone"});
+       "allow more: the fewest are " + std::to_string(least_possible)});
 }
 
 }  // namespace
@@ -64,9 +64,11 @@ std::vector<glm::vec3> Reducer::refitted(const ReducedFaces& reduced, std::span<
                             reduced.faces,
                             reduced.minima,
                             reduced.scale};
-  std::vector<std::uint8_t> held = on_seams(reduced.faces, wedges, mesh_.vertex_count());
+  const bool along_normals = !mesh_.texture_coordinates.empty();  // which leaves seams where the texture has them
+  std::vector<std::uint8_t> held(mesh_.vertex_count(), 0);
+  if (!along_normals) held = on_seams(reduced.faces, wedges, mesh_.vertex_count());
   for (std::size_t v = 0; v < locked.size(); ++v) held[v] |= locked[v];
-  return refit(reduction, held, !mesh_.texture_coordinates.empty(), threads_);
+  return refit(reduction, held, along_normals, threads_);
 }
 
 TriangleMesh Reducer::reduced(std::size_t max_triangles, std::span<const std::uint8_t> locked,

@@ -252,11 +252,12 @@ class Simplifier {
     const ProgressPart part{progress_, passes_first, passes_last, static_cast<double>(mesh_.triangle_count())};
     const auto report = [&](std::size_t gone) { return part.reach(faces_gone_ + gone), true; };
     const auto heed = [&](std::size_t) { return !progress_.is_cancelled(); };
-    HelperThreads others;
-    for (std::size_t i = 1; i < std::min(workers_.size(), blocks.size()); ++i)
-      if (!others.start([&, i] { work(*workers_[i], heed); })) break;
-    work(*workers_[0], report);
-    others.join();
+    share(thread_count_for(blocks.size(), static_cast<unsigned>(workers_.size())), [&](unsigned number) {
+      if (number == 0)
+        work(*workers_[0], report);
+      else
+        work(*workers_[number], heed);
+    });
     std::size_t made = 0;
     for (std::size_t i = first_record; i < records_.size(); ++i) {
       live_faces_ -= records_[i].faces_gone;

@@ -34,6 +34,7 @@ void bind_hlod(nb::module_& m);
 void bind_tiles(nb::module_& m);
 void bind_device(nb::module_& m);
 void bind_traverse(nb::module_& m);
+void bind_select(nb::module_& m);
 void bind_cells(nb::module_& m);
 void bind_cell_files(nb::module_& m);
 void bind_cell_walker(nb::module_& m);

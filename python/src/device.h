@@ -1,6 +1,7 @@
 // HLODs at their places, and devices that draw them.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -28,9 +29,17 @@ struct KeptHlods {
   KeptHlods(const KeptHlods&) = delete;
   KeptHlods& operator=(const KeptHlods&) = delete;
 
+  // Whether meshes come and go. Whoever draws these keeps the GIL: one thread at a time may use their stores.
+  [[nodiscard]] bool are_paged() const {
+    return std::ranges::any_of(objects, [](const HlodObject& object) { return object.hlod.store() != nullptr; });
+  }
+
   std::vector<HlodObject> objects;
   std::vector<hlod::PlacedHlod> placed;
 };
+
+// Of one HlodObject or Hlod, or a sequence of them. TypeError for anything else.
+[[nodiscard]] std::vector<HlodObject> to_hlods(nb::handle objects);
 
 struct PythonDevice {
   std::unique_ptr<hlod::RenderDevice> device;

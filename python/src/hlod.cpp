@@ -11,6 +11,8 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "checks.h"
+#include "materials.h"
+#include "node_mesh.h"
 #include "occlod/build_hlod.h"
 #include "occlod/node_store.h"
 #include "text.h"
@@ -28,12 +30,6 @@ NodeId checked(const Hlod& hlod, std::int64_t node) {
     throw nb::index_error(("there are " + std::to_string(hlod.node_count()) + " nodes").c_str());
   return static_cast<NodeId>(node);
 }
-
-// The mesh of one node: views of the HLOD's arrays.
-struct PythonNodeMesh {
-  Hlod hlod;
-  hlod::NodeMesh mesh;
-};
 
 std::pair<glm::vec3, glm::vec3> corners(const Box& box) { return {box.min, box.max}; }
 
@@ -66,8 +62,10 @@ void bind_nodes(nb::module_& m) {
             return hlod::sphere_error_px(n, {eye, focal_length_px, min_distance});
           },
           "eye"_a, "focal_length_px"_a, "min_distance"_a = 1e-30, "The same by the node's sphere, as published.");
-  nb::class_<PythonNodeMesh>(m, "HlodNodeMesh",
-                             "The mesh of one node. Read-only views of the HLOD, which keep it alive.")
+  nb::class_<PythonNodeMesh>(
+      m, "HlodNodeMesh",
+      "The mesh of one node. Read-only views of the HLOD, which keep it alive, or of copies where\n"
+      "meshes come and go.")
       .def_prop_ro(
           "positions",
           [](nb::handle self) { return view_of(nb::cast<const PythonNodeMesh&>(self).mesh.positions, self); },
@@ -89,6 +87,22 @@ void bind_nodes(nb::module_& m) {
           },
           "(n, 4) uint8, or None.")
       .def_prop_ro(
+          "texture_coordinates",
+          [](nb::handle self) -> std::optional<Array2<const float, 2>> {
+            const auto coordinates = nb::cast<const PythonNodeMesh&>(self).mesh.texture_coordinates;
+            if (coordinates.empty()) return std::nullopt;
+            return view_of(coordinates, self);
+          },
+          "(n, 2) float32, or None.")
+      .def_prop_ro(
+          "vertex_materials",
+          [](nb::handle self) -> std::optional<Array1<const std::uint16_t>> {
+            const auto materials = nb::cast<const PythonNodeMesh&>(self).mesh.materials;
+            if (materials.empty()) return std::nullopt;
+            return view_of(materials, self);
+          },
+          "(n,) uint16, into Hlod.materials, the same at all corners of a triangle; None: all have the first, if any.")
+      .def_prop_ro(
           "triangles",
           [](nb::handle self) {
             const auto indices = nb::cast<const PythonNodeMesh&>(self).mesh.indices;
@@ -98,7 +112,15 @@ void bind_nodes(nb::module_& m) {
       .def_prop_ro(
           "merged_into",
           [](nb::handle self) { return view_of(nb::cast<const PythonNodeMesh&>(self).mesh.merged_into, self); },
-          "(n,) uint16: the vertex of the parent's mesh that each slides to, or 0xffff.");
+          "(n,) uint16: the vertex of the parent's mesh that each slides to, or 0xffff.")
+      .def(
+          "mesh",
+          [](const PythonNodeMesh& node) {
+            TriangleMesh mesh = mesh_like(node.hlod.data());
+            append_triangles(mesh, node.mesh, node.mesh.indices);
+            return mesh;
+          },
+          "A Mesh of its own, with the materials of the HLOD.");
 }
 
 NodeId with_within(const Hlod& hlod, std::int64_t node) {
@@ -129,13 +151,8 @@ void bind_arrays(nb::class_<Hlod>& type) {
   type.def(
           "node", [](const Hlod& h, std::int64_t n) { return h.node(checked(h, n)); }, "node"_a)
       .def(
-          "mesh",
-          [](const Hlod& h, std::int64_t n) {
-            const NodeId node = checked(h, n);
-            h.require(node);
-            return PythonNodeMesh{h, h.mesh(node)};
-          },
-          "node"_a, "Error when that part of a mapped file is damaged.")
+          "mesh", [](const Hlod& h, std::int64_t n) { return node_mesh(h, checked(h, n)); }, "node"_a,
+          "Error when that part of a mapped file is damaged, or the mesh is not there: see open_hlod().")
       .def("within_positions", &within_positions, "node"_a,
            "(n, 3) float32: the vertices of mesh(node), then those that its collapses bring back. A copy. Error where\n"
            "the node has none, or a mapped file is damaged.")
@@ -171,6 +188,28 @@ void bind_arrays(nb::class_<Hlod>& type) {
           "First node and number of nodes of each level, from the input to the coarsest.");
 }
 
+// Of HLODs whose meshes come and go.
+void bind_paging(nb::class_<Hlod>& type) {
+  type.def_prop_ro(
+          "is_paged", [](const Hlod& h) { return h.store() != nullptr; }, "Whether meshes come and go: open_hlod().")
+      .def(
+          "is_resident", [](const Hlod& h, std::int64_t n) { return h.is_resident(checked(h, n)); }, "node"_a,
+          "Whether the mesh is there; always where meshes do not come and go.")
+      .def(
+          "missing",
+          [](const Hlod& h) {
+            return array_of<NodeId>(h.store() != nullptr ? h.store()->missing() : std::vector<NodeId>());
+          },
+          "(m,) uint32, ascending: nodes that the last frame waited for, which are being loaded.")
+      .def_prop_ro(
+          "resident_bytes", [](const Hlod& h) { return h.store() != nullptr ? h.store()->stats().resident_bytes : 0; },
+          "Of meshes that are there; 0 where they do not come and go.")
+      .def(
+          "take_failures",
+          [](const Hlod& h) { return h.store() != nullptr ? h.store()->take_failures() : std::vector<std::string>(); },
+          "One line for each node whose mesh cannot be loaded, since the last call.");
+}
+
 void bind_hlod_class(nb::module_& m) {
   auto type = nb::class_<Hlod>(m, "Hlod",
                                "A mesh cut into nodes of some thousand triangles, level by level coarser. Immutable;\n"
@@ -190,6 +229,16 @@ void bind_hlod_class(nb::module_& m) {
       .def_prop_ro(
           "lattice_step", [](const Hlod& h) { return h.data().lattice_step; },
           "All coordinates are multiples of it; 0: they are as the input's.")
+      .def_prop_ro(
+          "materials", [](const Hlod& h) { return tuple_of(h.data().materials); }, nb::sig(materials_sig),
+          "That vertex_materials of nodes count.")
+      .def_prop_ro(
+          "textures", [](const Hlod& h) { return tuple_of(h.data().textures); }, nb::sig(textures_sig),
+          "That materials count.")
+      .def_prop_ro(
+          "texture_origin", [](const Hlod& h) { return h.data().texture_origin; }, "Of texture_coordinates of nodes.")
+      .def_prop_ro(
+          "up", [](const Hlod& h) { return h.data().up; }, "The axis that points up, as far as the input says.")
       .def(
           "write",
           [](const Hlod& h, const std::filesystem::path& path, const std::optional<MeshReport>& report,
@@ -216,6 +265,7 @@ void bind_hlod_class(nb::module_& m) {
                "Whether level 0 is exactly the triangles of the mesh."},
               std::size_t{64});
   bind_arrays(type);
+  bind_paging(type);
 }
 
 }  // namespace
@@ -271,6 +321,17 @@ void bind_hlod(nb::module_& m) {
         return std::pair<Hlod, MeshReport>(std::move(file.hlod), file.report);
       },
       "path"_a, nb::kw_only(), "access"_a = OlodAccess::mapped, "Reads .ohlod: the HLOD and the report of its mesh.");
+  const hlod::CacheOptions cache;
+  m.def(
+      "open_hlod",
+      [](const std::filesystem::path& path, std::size_t memory, bool blocking) {
+        const ReleasedGil release;
+        return open_ohlod(path, {memory, blocking ? hlod::LoadMode::blocking : hlod::LoadMode::async}).hlod;
+      },
+      "path"_a, nb::kw_only(), "memory"_a = cache.budget_bytes, "blocking"_a = false,
+      "Opens .ohlod without its meshes: they come when a Traverser or a Selector needs them, and go when others need\n"
+      "the room, `memory` bytes at most. Until they come coarser ones are drawn, or with `blocking` frames wait for\n"
+      "them. Splits within nodes are left out. Error where the coarsest nodes are damaged or do not fit.");
 }
 
 }  // namespace occlod::python

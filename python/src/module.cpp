@@ -60,6 +60,7 @@ NB_MODULE(_occlod, m) {
   bind_scene(m);
   bind_device(m);
   bind_traverse(m);
+  bind_select(m);
   bind_cells(m);
   bind_cell_files(m);
   bind_cell_walker(m);

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -58,30 +59,12 @@ struct PythonFrame {
   std::vector<std::uint16_t> cuts;
 };
 
-std::vector<HlodObject> to_hlods(nb::handle objects) {
-  std::vector<HlodObject> result;
-  const auto add = [&](nb::handle item) {
-    if (nb::isinstance<HlodObject>(item)) {
-      result.push_back(nb::cast<const HlodObject&>(item));
-    } else if (nb::isinstance<Hlod>(item)) {
-      const auto& hlod = nb::cast<const Hlod&>(item);
-      result.push_back({hlod, positions_to_world(glm::dmat4(1.0), hlod.data().origin), false, ""});
-    } else {
-      return false;
-    }
-    return true;
-  };
-  if (add(objects)) return result;
-  for (const nb::handle item : nb::iter(objects))
-    if (!add(item)) throw nb::type_error("objects: give an HlodObject, an Hlod, or a sequence of them");
-  return result;
-}
-
 std::unique_ptr<PythonFrame> draw_frame(PythonTraverser& self, const ViewLike& view, PythonDevice& device,
                                         const std::optional<TraverseOptions>& options) {
   const View seen = view.get();
   TraverseOptions chosen = options.value_or(TraverseOptions{});
-  const ReleasedGil release;
+  std::optional<ReleasedGil> release;
+  if (!self.hlods->are_paged()) release.emplace();
   const std::scoped_lock lock(self.in_use, device.in_use);
   if (hlod::needs_costs(chosen.strategy)) chosen.costs = device.needed_costs();
   device.drawn = self.hlods;
@@ -197,6 +180,25 @@ void bind_traverse_frame(nb::module_& m) {
 }
 
 }  // namespace
+
+std::vector<HlodObject> to_hlods(nb::handle objects) {
+  std::vector<HlodObject> result;
+  const auto add = [&](nb::handle item) {
+    if (nb::isinstance<HlodObject>(item)) {
+      result.push_back(nb::cast<const HlodObject&>(item));
+    } else if (nb::isinstance<Hlod>(item)) {
+      const auto& hlod = nb::cast<const Hlod&>(item);
+      result.push_back({hlod, positions_to_world(glm::dmat4(1.0), hlod.data().origin), false, ""});
+    } else {
+      return false;
+    }
+    return true;
+  };
+  if (add(objects)) return result;
+  for (const nb::handle item : nb::iter(objects))
+    if (!add(item)) throw nb::type_error("objects: give an HlodObject, an Hlod, or a sequence of them");
+  return result;
+}
 
 void bind_traverse(nb::module_& m) {
   bind_traverse_enums(m);

@@ -22,8 +22,14 @@ using namespace nb::literals;
 
 namespace {
 
-using CameraState =
-    std::tuple<glm::dvec3, glm::dvec3, glm::dvec3, double, int, int, double, double, std::optional<double>>;
+using CameraState = std::tuple<glm::dvec3, glm::dvec3, glm::dvec3, double, int, int, double, double,
+                               std::optional<double>, std::pair<double, double>>;
+
+Camera camera_of(const CameraState& state) {
+  const auto& [eye, target, up, fov_y_deg, width, height, near, far, orthographic_height, principal] = state;
+  return {eye,    target, up,  fov_y_deg,           width,
+          height, near,   far, orthographic_height, {principal.first, principal.second}};
+}
 
 std::string describe(const Camera& camera) {
   std::ostringstream text;
@@ -138,12 +144,9 @@ void bind_view(nb::module_& m) {
       .def("__getstate__",
            [](const Camera& c) {
              return CameraState(c.eye, c.target, c.up, c.fov_y_deg, c.width, c.height, c.near, c.far,
-                                c.orthographic_height);
+                                c.orthographic_height, std::pair(c.principal_point.x, c.principal_point.y));
            })
-      .def("__setstate__",
-           [](Camera& self, const CameraState& state) {
-             new (&self) Camera(std::apply([](const auto&... fields) { return Camera{fields...}; }, state));
-           })
+      .def("__setstate__", [](Camera& self, const CameraState& state) { new (&self) Camera(camera_of(state)); })
       .def("__repr__", &describe);
 
   nb::class_<View>(m, "View",
@@ -169,6 +172,26 @@ void bind_view(nb::module_& m) {
       .def("__setstate__", [](View& self, const std::tuple<Camera>& state) { new (&self) View(std::get<0>(state)); })
       .def("distance_at", &View::distance_at, "nearness"_a,
            "The distance from the eye plane, world units, at which depth images hold this nearness > 0.");
+
+  nb::enum_<ClipDepth>(m, "ClipDepth", "What z / w is on the near and on the far plane.")
+      .value("minus_one_to_one", ClipDepth::minus_one_to_one, "OpenGL.")
+      .value("zero_to_one", ClipDepth::zero_to_one, "Vulkan, Direct3D, Metal, WebGPU.")
+      .value("one_to_zero", ClipDepth::one_to_zero, "The same reversed.");
+  m.def(
+      "view_of",
+      [](const ArrayLike& world_to_eye, const ArrayLike& eye_to_clip, int width, int height, ClipDepth depth) {
+        return occlod::view_of(to_matrix(world_to_eye, "world_to_eye"), to_matrix(eye_to_clip, "eye_to_clip"), width,
+                               height, depth);
+      },
+      "world_to_eye"_a, "eye_to_clip"_a, "width"_a, "height"_a, "depth"_a = ClipDepth::minus_one_to_one,
+      "The view of a program that has matrices, (4, 4): a rigid motion, mirrored or not, and a projection in\n"
+      "perspective, off-centre or not, with a far plane or none, or an orthographic one. Both multiply columns from "
+      "the\n"
+      "left, so translations are in the last column; give the transpose (.T) of matrices that multiply rows. The size\n"
+      "is that of the image in pixels. The view shows what they show, also where clip space has y down; of a "
+      "left-handed\n"
+      "world it shows the image upside down. View.camera is the same as a Camera. Error for matrices that are none of\n"
+      "these, pixels that are not square, and a near and a far plane that are not as `depth` says.");
 }
 
 }  // namespace occlod::python

@@ -20,6 +20,7 @@ PREAMBLE = """#include <occlod/occlod.h>
 #include <occlod/build_hlod.h>
 #include <occlod/node_store.h>
 #include <occlod/scene.h>
+#include <occlod/select.h>
 #include <occlod/tiles.h>
 #include <occlod/traverser.h>
 #include <occlod/build_cells.h>

@@ -15,7 +15,7 @@ SAYS = {
     "hello": r"\d+ of 131072 triangles, [1-9]\d* of \d+ queries hidden\n",
     "frame_loop": r"frame 0: (\d+) triangles, \1 of them uploaded\n(frame \d0: \d+ triangles, \d{2,3} of them uploaded\n){5}",
     "textured_cut": r"6000 of 131072 triangles, no farther than 0\.\d+ from the input\n",
-    "hlod_renderer": r"\d{6} triangles in \d+ draws\n",
+    "hlod_renderer": r"(frame \d+: \d+ triangles in \d+ draws, [1-9]\d* nodes hidden, \d+ uploaded\n){4}",
     "paging": r"790784 triangles built, with up to [1-9]\d* MiB in scratch files\n(frame \d+: \d+ triangles, \d+ of \d+ nodes in \d{2,4} KiB, \d+ missing\n){4}",
     "cells": r"(frame \d+: \d+ triangles for cell \d+, [\d.]+ px off at most\n){6,}",
     "tiles": r"\d+ tiles with \d+ triangles in \d+ KiB\n",

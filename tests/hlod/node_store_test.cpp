@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <future>
+#include <numeric>
 
 #include "hlod/good_hlod.h"
 #include "hlod/memory_source.h"
+#include "occlod/build_hlod.h"
 
 namespace occlod::hlod {
 namespace {
@@ -95,6 +97,17 @@ TEST(NodeStore, WithoutAMeshThereIsAnErrorAndNotACrash) {
   EXPECT_NO_THROW(hlod.require(root()));
   EXPECT_NE(problem_of([&] { hlod.require(last_leaf()); }).find("is not in memory"), std::string::npos);
   EXPECT_THROW(hlod.require_all(), Error);
+}
+
+TEST(NodeStore, WhatNeedsAllMeshesIsRefusedEvenWhenTheyAreThere) {
+  const Hlod hlod = paged(good(), cache(TrialLoad::blocking));
+  std::vector<NodeId> all(hlod.node_count());
+  std::iota(all.begin(), all.end(), NodeId{0});
+  hlod.store()->begin_frame();
+  ASSERT_TRUE(hlod.store()->fetch(all));
+  EXPECT_NE(problem_of([&] { hlod.require_all(); }).find("come and go"), std::string::npos);
+  EXPECT_NE(problem_of([&] { (void)validate(hlod); }).find("come and go"), std::string::npos);
+  EXPECT_NE(problem_of([&] { write_ohlod("never.ohlod", hlod, {}); }).find("come and go"), std::string::npos);
 }
 
 TEST(NodeStore, NamesTheLeastBudget) {

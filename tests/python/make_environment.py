@@ -97,10 +97,10 @@ def main():
     wheel = build_wheel(chosen, arguments)
     require(chosen, "-m", "venv", environment)
     install(environment, wheel, *pinned("numpy"))
-    for module in ("trimesh", "pyvista", "scipy", "distributed"):  # the package works in an environment that has nothing but NumPy
+    for module in ("trimesh", "pyvista", "scipy", "distributed", "IPython", "tqdm"):  # the package works in an environment that has nothing but NumPy
         assert run(environment / "bin/python", "-c", f"import {module}")[0] != 0, f"{module} is in an empty environment"
     print(require(environment / "bin/python", "-c", "import occlod; print(occlod.version())").strip(), wheel.name, wheel.stat().st_size, "bytes")
-    install(environment, *pinned("trimesh", "pillow", "distributed", "mypy"))
+    install(environment, *pinned("trimesh", "pillow", "distributed", "mypy", "nbclient", "ipykernel", "tqdm"))
 
 
 if __name__ == "__main__":

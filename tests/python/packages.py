@@ -1,4 +1,4 @@
-"""The packages that meshes are exchanged with. None where one is not installed: what needs it is skipped."""
+"""Packages that tests use beside NumPy. None where one is not installed: what needs it is skipped."""
 try:
     import trimesh
 except ImportError:
@@ -11,3 +11,12 @@ try:
     import open3d
 except (ImportError, OSError):
     open3d = None
+try:
+    import nbclient
+    import nbformat
+except ImportError:
+    nbclient = nbformat = None
+try:
+    import tqdm
+except ImportError:
+    tqdm = None

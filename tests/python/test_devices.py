@@ -96,7 +96,7 @@ class ScenesAsHlods(unittest.TestCase):
                              [8 * 4**4, 8 * 4**3])
             numpy.testing.assert_array_equal(loaded[1].transform, away)
             self.assertIn("b.ohlod", loaded[1].source_name)
-            self.assertTrue(steps)
+            self.assertIn("building the scene", steps)
             frame = occlod.Traverser(loaded).draw_frame(occlod.Camera(eye=(2, 0, 9)), occlod.Device.software())
             self.assertEqual(set(frame.draws[:, 0].tolist()), {0, 1})
             (at / "b.ohlod").write_bytes(b"")

@@ -1,5 +1,7 @@
 """What README.md and the guide print runs as printed, and so do the examples, whose pictures are those of the guide."""
+import base64
 import contextlib
+import importlib.util
 import io
 import os
 import pathlib
@@ -13,8 +15,12 @@ import zlib
 
 import numpy
 import occlod
+from packages import nbclient, nbformat
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+_SPEC = importlib.util.spec_from_file_location("notebooks", ROOT / "scripts/notebooks.py")
+notebooks = importlib.util.module_from_spec(_SPEC)
+_SPEC.loader.exec_module(notebooks)
 
 
 @contextlib.contextmanager
@@ -84,7 +90,17 @@ class Documents(unittest.TestCase):
                 self.assertRegex(text, rf"\b{name}\b")
 
 
+def run_notebook(example, folder):
+    """Runs the example as a notebook in the folder. The data of all that its cells show."""
+    notebook = nbformat.from_dict(notebooks.notebook_of(example.read_text(encoding="utf-8")))
+    nbformat.validate(notebook)
+    nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(folder)}}).execute()
+    return [output["data"] for cell in notebook.cells for output in cell.get("outputs", ()) if "data" in output]
+
+
 class Examples(unittest.TestCase):
+    """With nbclient they run as notebooks, and one of them as a script; else all as scripts."""
+
     def test_make_the_pictures_of_the_guide(self):
         examples = sorted((ROOT / "python/examples").glob("*.py"))
         self.assertGreaterEqual(len(examples), 3)
@@ -92,8 +108,13 @@ class Examples(unittest.TestCase):
             with self.subTest(example.name), tempfile.TemporaryDirectory() as folder:
                 if example.stem == "opengl":
                     self.require_opengl()
-                subprocess.run([sys.executable, str(example), folder], check=True, stdout=subprocess.PIPE)
-                made = pathlib.Path(folder, f"{example.stem}.png").read_bytes()
+                picture = pathlib.Path(folder, f"{example.stem}.png")
+                if nbclient is None or example.stem == "simplify":
+                    subprocess.run([sys.executable, str(example)], cwd=folder, check=True, stdout=subprocess.PIPE)
+                else:
+                    shown = run_notebook(example, folder)
+                    self.assertEqual(base64.b64decode(shown[-1]["image/png"]), picture.read_bytes(), "the last cell shows it")
+                made = picture.read_bytes()
                 shown = ROOT / f"docs/images/python_{example.stem}.png"
                 if os.environ.get("OCCLOD_UPDATE_GOLDEN") == "1":
                     shown.write_bytes(made)
@@ -104,6 +125,13 @@ class Examples(unittest.TestCase):
                 self.assertEqual(pair[0].shape, pair[1].shape)
                 different = (abs(pair[0] - pair[1]).max(axis=2) > 32).mean()
                 self.assertLess(different, 0.1, f"look at it; OCCLOD_UPDATE_GOLDEN=1 writes {shown.name} anew")
+
+    def test_begin_with_what_they_are(self):
+        for example in (ROOT / "python/examples").glob("*.py"):
+            cells = notebooks.notebook_of(example.read_text(encoding="utf-8"))["cells"]
+            self.assertEqual(cells[0]["cell_type"], "markdown", example.name)
+            self.assertRegex(cells[0]["source"], "^# [A-Z]", example.name)
+            self.assertEqual(cells[-1]["source"].splitlines()[-1], "occlod.show(image)", example.name)
 
     def require_opengl(self):
         try:

@@ -59,9 +59,10 @@ class Pickled(unittest.TestCase):
 
     def test_cameras_views_and_options(self):
         camera = occlod.Camera(eye=(1, 2, 3), target=(4, 5, 6), up=(0, 0, 1), fov_y_deg=30, width=64, height=48, near=0.5, far=7, orthographic_height=2)
+        off_centre = occlod.Camera(principal_point=(0.25, -0.5))
         options = occlod.RefineOptions(budget=7, tolerance_px=0.5, method=occlod.Method.paper, mode=occlod.OccluderMode.conservative, max_changes=3,
                                        time_limit_ms=4, geomorph_frames=5, threads=6)
-        for thing in (camera, occlod.Camera(), options):
+        for thing in (camera, off_centre, occlod.Camera(), options):
             for other in (self.again(thing), copy.copy(thing), copy.deepcopy(thing)):
                 self.assertEqual(other, thing)
                 self.assertIsNot(other, thing)

@@ -31,6 +31,11 @@ def use() -> None:
     surface: tuple[tuple[occlod.Material, ...], tuple[occlod.Texture, ...]] = frame.materials(), frame.textures()
     origin: occlod.TextureOrigin = frame.texture_origin()
     hlod: occlod.Hlod = occlod.build_hlod(mesh, node_triangles=500, journal=pathlib.Path("a.journal"))
+    selection: occlod.Selection = occlod.Selector([hlod, occlod.open_hlod("a.ohlod", memory=1 << 26)]).select(camera, budget=1000)
+    seen: occlod.Mesh = selection.mesh(1)
+    uv: numpy.typing.NDArray[numpy.float32] | None = hlod.mesh(0).texture_coordinates
+    view: occlod.View = occlod.view_of(numpy.eye(4), numpy.eye(4), 64, 64, occlod.ClipDepth.zero_to_one)
+    print(seen, uv, view)
     tiles: int = occlod.write_tiles("a.ply", "a_tiles", up=occlod.UpAxis.y, origin=(11.5, 48.1, 520)).tiles
     small: occlod.Mesh = occlod.simplify(pathlib.Path("a.ply"), ratio=0.1, progress=print)
     smaller: occlod.Mesh = occlod.simplify(small, error=0.5, refit=False)

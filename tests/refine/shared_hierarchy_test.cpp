@@ -2,8 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <thread>
+#include <vector>
 
-#include "base/threads.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/generate.h"
 #include "occlod/visibility.h"
@@ -27,11 +28,9 @@ TEST(SharedHierarchy, ThreadsRefineOneFileThatIsCheckedAsItIsUsed) {
   for (int round = 0; round < 3; ++round) {
     const OlodFile file = read_olod(path);
     std::vector<std::uint64_t> hashes(4);
-    HelperThreads threads;
-    for (std::uint64_t& hash : hashes) {
-      ASSERT_TRUE(threads.start([&] { hash = refined_hash(file.hierarchy); }));
-    }
-    threads.join();
+    std::vector<std::thread> threads;
+    for (std::uint64_t& hash : hashes) threads.emplace_back([&] { hash = refined_hash(file.hierarchy); });
+    for (std::thread& thread : threads) thread.join();
     EXPECT_EQ(hashes, std::vector<std::uint64_t>(4, refined_hash(built)));
   }
   std::filesystem::remove(path);

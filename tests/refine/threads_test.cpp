@@ -1,4 +1,4 @@
-// What two threads find is what one finds, in every statistic that does not tell time.
+// What several threads find is what one finds, in every statistic that does not tell time.
 #include <array>
 #include <memory>
 
@@ -57,6 +57,36 @@ TEST_P(ThreadsTest, DoNotChangeTheResult) {
           }
       }
     }
+}
+
+// From frame to frame as well, and so many nodes change that all threads have something to do.
+TEST_P(ThreadsTest, DoNotChangeFrames) {
+  options_.budget = 20'000;
+  for (const bool occlusion : {false, true}) {
+    std::vector<std::uint64_t> hashes;
+    std::vector<RefineStats> stats;
+    for (const int threads : {1, 2, 3, 8}) {
+      options_.threads = threads;
+      Refiner refiner(objects_);
+      NoOcclusion none;
+      for (std::size_t frame = 0; frame < 12; ++frame) {
+        const double distance = 1.3 + 0.1 * static_cast<double>(frame % 7);
+        const Refinement& refinement =
+            refiner.update(View(test::front_camera(distance)), options_, occlusion ? *software_ : none);
+        if (threads == 1) {
+          hashes.push_back(refinement.hash());
+          stats.push_back(refinement.stats);
+          continue;
+        }
+        EXPECT_EQ(refinement.hash(), hashes[frame]) << threads << " threads, frame " << frame;
+        EXPECT_EQ(refinement.stats.visits, stats[frame].visits);
+        EXPECT_EQ(refinement.stats.queries, stats[frame].queries);
+        EXPECT_EQ(refinement.stats.queries_hidden, stats[frame].queries_hidden);
+        EXPECT_EQ(refinement.stats.level_px, stats[frame].level_px);
+        EXPECT_EQ(refinement.stats.max_error_px, stats[frame].max_error_px);
+      }
+    }
+  }
 }
 
 // Damage that only one of the threads comes upon is told all the same, and the refiner goes on.

@@ -137,6 +137,8 @@ void Hlod::check_mesh(NodeId n) const {
 void Hlod::check_within(NodeId n) const { guard_->check_within(n); }
 
 void Hlod::require_all() const {
+  if (store_ != nullptr)
+    throw Error({"HLOD", "", "has meshes that come and go in a cache", "open the file without a cache"});
   for (NodeId n = 0; n < node_count(); ++n) {
     require(n);
     require_within(n);

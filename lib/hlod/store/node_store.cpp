@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <deque>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -70,6 +71,12 @@ class NodeStore::Impl {
     stats.loading_bytes = cache_.coming_bytes();
     stats.evictions = cache_.evictions();
     return stats;
+  }
+
+  [[nodiscard]] std::vector<NodeId> missing() const {
+    std::vector<NodeId> nodes;
+    std::ranges::transform(priorities_, std::back_inserter(nodes), &Priority::node);
+    return nodes;
   }
 
   [[nodiscard]] std::vector<std::string> take_failures() { return std::exchange(failures_, {}); }
@@ -383,6 +390,7 @@ NodeStore::~NodeStore() = default;
 void NodeStore::set_budget(std::size_t bytes) { impl_->set_budget(bytes); }
 void NodeStore::set_link(std::unique_ptr<MeshLink> link) { impl_->set_link(std::move(link)); }
 StoreStats NodeStore::stats() const { return impl_->stats(); }
+std::vector<NodeId> NodeStore::missing() const { return impl_->missing(); }
 std::vector<std::string> NodeStore::take_failures() { return impl_->take_failures(); }
 void NodeStore::begin_frame() { impl_->begin_frame(); }
 bool NodeStore::may_have(NodeId n) const noexcept { return impl_->may_have(n); }

@@ -61,6 +61,7 @@ class Validator {
       : h_(hlod), random_fronts_(random_fronts), points_(point_count()) {}
 
   std::vector<std::string> run() {
+    if (h_.store() != nullptr) h_.require_all();  // throws
     if (const auto problem = check_structure(h_.data())) return {*problem};
     h_.require_all();
     for (NodeId n = 0; n < h_.node_count(); ++n) {

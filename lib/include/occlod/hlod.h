@@ -208,7 +208,7 @@ class Hlod {
   void require_within(NodeId n) const {
     if (within_checked_ != nullptr && !within_checked_[n].load(std::memory_order_acquire)) check_within(n);
   }
-  // Does both for all nodes. O(bytes) the first time.
+  // Does both for all nodes. Throws Error for an HLOD with a store. O(bytes) the first time.
   void require_all() const;
   // Returns the mesh of node n, which has been required.
   [[nodiscard]] NodeMesh mesh(NodeId n) const noexcept;

@@ -66,6 +66,8 @@ class NodeStore {
   void set_budget(std::size_t bytes);
   // Returns what the store holds and has done. O(1).
   [[nodiscard]] StoreStats stats() const;
+  // Returns the nodes that StoreStats::missing counts, ascending.
+  [[nodiscard]] std::vector<NodeId> missing() const;
   // Returns one line for each node that has failed since the last call.
   [[nodiscard]] std::vector<std::string> take_failures();
 

@@ -99,8 +99,7 @@ struct RefineOptions {
   std::size_t max_changes = 0;        // splits and merges in one call, except what the budget forces; 0: no limit
   double time_limit_ms = 0.0;         // no further splits and merges after so long; 0: no limit. Depends on a clock
   std::uint32_t geomorph_frames = 0;  // calls in which a new vertex slides from its parent to its place; 0: at once
-  int threads = 1;  // that refinement from scratch may use, in [0, 1024]; 0: one for each core. More than 2 are not
-                    // used. The result does not depend on it
+  int threads = 1;  // that may work on a call, in [0, 1024]; 0: one for each core. The result does not depend on it
   std::vector<ObjectEffects> effects = {};    // what works on each object, by object; empty: everything on all of them
   std::shared_ptr<const Tuning> tuning = {};  // for benchmarks and tests, in place of the method's own; null for users
 

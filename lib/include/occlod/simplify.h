@@ -13,8 +13,8 @@ struct SimplifyOptions {
   double boundary_weight = 1.0;   // as BuildOptions::boundary_weight
   double attribute_weight = 0.7;  // as BuildOptions::attribute_weight
   // Whether vertices move from the positions of the input to where the surface fits best: about two thirds of the
-  // distance at the same number of triangles. Borders and seams stay; where there are texture coordinates, vertices
-  // move along their normals only.
+  // distance at the same number of triangles. Borders stay, and without texture coordinates seams too; with them all
+  // vertices move along their normals only.
   bool refit = true;
   int threads = 0;                            // in [0, 1024]; 0: one per core. The result does not depend on it
   std::function<bool(double)> progress = {};  // as BuildOptions::progress; ends at 1
@@ -22,8 +22,9 @@ struct SimplifyOptions {
 
 // Returns the mesh with at most `max_triangles` triangles (>= 1), reduced by half-edge collapses in the order of their
 // quadric error, as build_hierarchy() makes them; the mesh itself when it has no more. Attributes, materials and
-// textures are kept. Throws Error as build_hierarchy() does, and when nothing would be left, with the fewest triangles that
-// are possible: closed surfaces have at least 4. Small parts vanish first. O(n log n) time; needs about 270 bytes a vertex.
+// textures are kept. Throws Error as build_hierarchy() does, and when nothing would be left, with the fewest triangles
+// that are possible: closed surfaces have at least 4. Small parts vanish first. O(n log n) time; needs about 270 bytes
+// a vertex.
 [[nodiscard]] TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles,
                                     const SimplifyOptions& options = {});
 
