@@ -339,6 +339,7 @@ void write_faces(const Cut& cut, std::size_t first_split, const glm::vec3& eye, 
   const std::span<const glm::vec3> positions = cut.hierarchy().positions();
   const std::size_t end = std::min(first_split + splits_in_a_part, cut.applied_splits().size());
   out.clear();
+  out.reserve(3 * splits_in_a_part);  // about two a split: no frame of a known path shall allocate
   cut.for_each_active(first_split, end, [&](const FaceRef&, const Triangle& t) {
     if (two_sided || !shows_back(t, positions, eye)) out.push_back(t);
   });
