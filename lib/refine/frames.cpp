@@ -236,8 +236,7 @@ void SplitExchange::gather_candidates(float low, float high) {
            found_);
     if (tuning_of(*options).culling == Culling::subtree) evaluation_.evaluate(i, found_);
     leave_out_low(i, low);
-    worths_.resize(found_.size());
-    evaluation_.find_worths(i, found_, worths_);
+    find_worths(i);
     for (std::size_t at = 0; at < found_.size(); ++at) {
       const Front::Index k = found_[at];
       const SplitWorth& worth = worths_[at];
@@ -248,6 +247,13 @@ void SplitExchange::gather_candidates(float low, float high) {
         candidates_.push({priority, worth.error, node.split, i, node.level, 0, Entry::Kind::apply, !again});
     }
   }
+}
+
+// Finds what the nodes in found_ are worth.
+void SplitExchange::find_worths(std::uint32_t object) {
+  worths_.reserve(evaluation_.front(object).room());
+  worths_.resize(found_.size());
+  evaluation_.find_worths(object, found_, worths_);
 }
 
 bool SplitExchange::weighs_again(const Front& front, Front::Index k) const {
@@ -322,8 +328,7 @@ void SplitExchange::gather_leaves(float low, float high) {
     select(evaluation_.errors(i), {.all = wanted | Front::hidden, .none = Front::is_new}, found_);
     select(evaluation_.leaf_priorities(i),
            {.all = wanted, .none = Front::is_new | Front::hidden, .may_be_below = may_be_below}, found_);
-    worths_.resize(found_.size());
-    evaluation_.find_worths(i, found_, worths_);
+    find_worths(i);
     for (std::size_t at = 0; at < found_.size(); ++at) {
       const float priority = leaf_priority(worths_[at]);
       if (priority >= low && priority < high) enqueue_leaf(i, evaluation_.front(i).node(found_[at]).split, priority);

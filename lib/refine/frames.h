@@ -177,6 +177,7 @@ class SplitExchange {
  private:
   void gather();
   void gather_candidates(float low, float high);
+  void find_worths(std::uint32_t object);
   [[nodiscard]] bool weighs_again(const Front& front, Front::Index k) const;
   void leave_out_low(std::uint32_t object, float low);
   void gather_more_candidates();

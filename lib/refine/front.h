@@ -173,6 +173,8 @@ class Front {
   void clear();
 
   [[nodiscard]] std::size_t size() const noexcept { return nodes_.size(); }
+  // Returns for how many nodes there is room: scratch that has as much allocates when the front does, and not else.
+  [[nodiscard]] std::size_t room() const noexcept { return nodes_.capacity(); }
   // Returns the index of s, or none.
   [[nodiscard]] Index find(SplitId s) const noexcept { return slots_[s] == 0 ? none : slots_[s] - 1; }
   // Prefetches what find() reads.

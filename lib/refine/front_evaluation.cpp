@@ -263,6 +263,7 @@ void FrontEvaluation::find_worths(std::uint32_t object, std::span<const Front::I
   const bool by_star = tuning_of(*options).culling == Culling::star;
   const Front& front = objects_[object].front;
   outdated_.clear();
+  outdated_.reserve(front.room());
   for (const Front::Index k : nodes)
     if (!by_star || front.scales().is_outdated(k)) outdated_.push_back(k);
   evaluate(object, outdated_);
