@@ -140,7 +140,7 @@ class Belonging(ToolTest):
 
 class Replacing(ToolTest):
     def export(self, *options):
-        return ["hlod", "export", "planet.ohlod", "-o", "tiles", *options]
+        return ["tiles", "planet.ohlod", "-o", "tiles", *options]
 
     def setUp(self):
         super().setUp()
@@ -175,7 +175,7 @@ class Replacing(ToolTest):
         if subprocess.run(["unshare", "-rm", "true"], capture_output=True, check=False).returncode != 0:
             self.skipTest("SKIPPED: nothing can be mounted here")
         (self.folder / "mounted").mkdir()
-        done = subprocess.run(["unshare", "-rm", "bash", "-c", f"mount -t tmpfs none mounted && exec {OCCLOD} hlod export planet.ohlod -o mounted"],
+        done = subprocess.run(["unshare", "-rm", "bash", "-c", f"mount -t tmpfs none mounted && exec {OCCLOD} tiles planet.ohlod -o mounted"],
                               cwd=self.folder, capture_output=True, text=True)
         if "mount:" in done.stderr:
             self.skipTest(f"SKIPPED: {done.stderr}")
