@@ -59,7 +59,8 @@ std::string what_is_wrong(const CLI::App& app, const CLI::App& command, const CL
   const std::vector<std::string> unknown = app.remaining(true);
   const bool lacks_command = command.get_require_subcommand_min() > 0 && command.get_subcommands().empty();
   const auto is = [&](CLI::ExitCodes code) { return error.get_exit_code() == static_cast<int>(code); };
-  if (!unknown.empty() && (lacks_command || is(CLI::ExitCodes::ExtrasError)))
+  const bool lacks_option = is(CLI::ExitCodes::RequiredError) && !unknown.empty() && unknown.front().starts_with('-');
+  if (!unknown.empty() && (lacks_command || lacks_option || is(CLI::ExitCodes::ExtrasError)))
     return what_is_unknown(command, unknown.front(), lacks_command);
   if (lacks_command) return "a command is missing";
   if (is(CLI::ExitCodes::ArgumentMismatch)) {

@@ -146,11 +146,11 @@ std::string manual_page(const CLI::App& program, const std::string& version) {
   std::string page = fmt::format(".TH OCCLOD 1 \"\" \"occlod {}\" \"User Commands\"\n.SH NAME\nocclod \\- {}\n",
                                  version, troff(program.get_description()));
   for (const Command& command : commands_of(program)) {
-    const bool is_program = command.app == &program;
-    page += fmt::format(
-        ".SH {}\n.nf\n{}.fi\n", is_program ? "SYNOPSIS" : "\"" + troff(command.words) + "\"",
-        troff(command.app->help(
-            command.app->get_parent() == nullptr ? "" : command.words.substr(0, command.words.rfind(' ')))));
+    const std::string title = command.app == &program ? "SYNOPSIS" : "\"" + troff(command.words) + "\"";
+    // CLI::App::help() would tell of the command that runs.
+    const std::string help =
+        command.app->get_formatter()->make_help(command.app, command.words, CLI::AppFormatMode::Normal);
+    page += fmt::format(".SH {}\n.nf\n{}.fi\n", title, troff(help));
   }
   return page;
 }

@@ -71,7 +71,7 @@ class Walk(ToolTest):
     def test_compares(self):
         walked = self.walk("along", "--reference", 5)
         compared = [frame for frame in walked["frame"] if "unexplained_px" in frame]
-        self.assertEqual([frame["frame"] for frame in compared], [9, 19, 29, 39, 49])
+        self.assertEqual([frame["frame"] for frame in compared], [8, 16, 24, 32, 40])
         self.assertEqual(walked["frames_compared"], 5)
         for frame in compared:
             self.assertEqual((frame["unexplained_px"], frame["update"]["unexplained_px"]), (0, 0))

@@ -120,7 +120,7 @@ class Mistakes(ToolTest):
     def test_what_may_be_meant(self):
         """Of commands, and of options of the command and of the program; nothing where no word is near."""
         for arguments, meant in ((["rendre", "x"], "render"), (["hlod", "bulid", "x"], "build"), (["render", "x", "--budge", 5], "--budget"), (["build", "x", "--compression=zstd"], "--compress"),
-                                 (["hlod", "render", "x", "--tolerence", 1], "--tolerance"), (["cells", "walk", "x", "y", "--thread", 1], "--threads"), (["info", "x", "--jsno"], "--json"),
+                                 (["hlod", "render", "x", "--tolerence", 1], "--tolerance"), (["cells", "walk", "x", "y", "--thread", 1], "--threads"), (["cut", "x", "--ouput", "y"], "--output"), (["info", "x", "--jsno"], "--json"),
                                  (["paint"], None), (["info", "x", "--paint"], None), (["info", "a", "ifno"], None), (["info", "x", "--" + "a" * 5000], None)):
             done = self.run_tool(*arguments)
             self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
