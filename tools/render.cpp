@@ -150,6 +150,8 @@ void add_render(CLI::App& app) {
   command.callback([options, &command] {
     read_global_options(
         command, {.json = &options->json, .threads = &options->refine.threads, .use_cache = &options->input.use_cache});
+    if (command.count("--device") > 0 && options->backend.occlusion != "gl-query")
+      throw CLI::ValidationError("--device", "goes with --occlusion gl-query only");
     run(*options);
   });
 }

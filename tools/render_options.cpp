@@ -48,9 +48,9 @@ void add_occlusion_options(CLI::App& command, RenderOptions& options) {
       "without --frame-to-frame, and with --explain or a calibration");
   command.add_flag_callback(
       "--conservative", [&refine] { refine.mode = OccluderMode::conservative; },
-      "Occluders are not the current mesh as it is, which hides too much where it bulges out of the true surface, but "
-      "only what stays hidden wherever collapses may have moved the surface, on squares of 8x8 pixels: hides nothing "
-      "that the full mesh shows, hides less, and takes longer");
+      "Let only what stays hidden wherever collapses may have moved the surface be hidden, on squares of 8x8 pixels: "
+      "hides nothing that the full mesh shows, hides less, and takes longer. Else the current mesh hides as it is, and "
+      "too much where it bulges out of the true surface");
 }
 
 void add_gl_options(CLI::App& command, BackendOptions& backend) {

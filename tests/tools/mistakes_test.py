@@ -112,7 +112,7 @@ class Mistakes(ToolTest):
                                 (["info", "a", "b", "c"], 'no further argument "b"'), (["render", "x", "--budget"], "--budget needs a value"),
                                 (["render", "x", "--budget", 5, "--budget", 6], "--budget is given more than once"),
                                 (["build", "a.ply"], "--output is required"), (["hlod"], "a command is missing"),
-                                (["hlod", "paint"], 'no command "paint"'), (["hlod", "build", "a.ply"], "--output is required"), (["cut", "a.olod", "-o", "a.ply"], "--triangles or --error is required")):
+                                (["render", "x", "--device", "egl"], "--device: goes with --occlusion gl-query only"), (["hlod", "paint"], 'no command "paint"'), (["hlod", "build", "a.ply"], "--output is required"), (["cut", "a.olod", "-o", "a.ply"], "--triangles or --error is required")):
             done = self.run_tool(*arguments)
             self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
             self.assertIn(told, done.stderr)

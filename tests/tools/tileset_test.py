@@ -214,7 +214,7 @@ class Tileset(ToolTest):
         (self.folder / "file").write_text("x")
         self.assertIn("is not a folder", self.failure_of("tiles", "planet.ohlod", "-o", "file", "--replace"))
         self.assertIn("does not exist", self.failure_of("tiles", "planet.ohlod", "-o", "missing/tiles"))
-        self.assertIn("name a folder in it", self.failure_of("tiles", "planet.ohlod", "-o", "."))
+        self.assertIn("name a folder in it", self.failure_of("tiles", "planet.ohlod", "-o", "tiles/."))
         (self.folder / "link").symlink_to("tiles")
         self.export("--replace", folder="link/")
         self.assertTrue((self.folder / "link").is_symlink())
