@@ -126,9 +126,7 @@ HlodRuns::HlodRuns(const HlodScene& scene, std::vector<HlodRun> runs, int compar
   }
 }
 
-bool HlodRuns::is_compared(int frame) const {
-  return tool::is_compared(frame, compared_frames_, scene_.path.frames);
-}
+bool HlodRuns::is_compared(int frame) const { return tool::is_compared(frame, compared_frames_, scene_.path.frames); }
 
 void HlodRuns::draw(int frame) {
   const View view(camera_at(scene_.path, frame));
