@@ -57,6 +57,11 @@ endforeach()
 
 if(OCCLOD_BUILD_TOOLS)
   install(TARGETS occlod_tool)
+  if(NOT CMAKE_CROSSCOMPILING)  # the program writes its manual page and what shells complete
+    set(occlod_pages ${PROJECT_BINARY_DIR}/tools/pages)
+    install(CODE "execute_process(COMMAND \"$<TARGET_FILE:occlod_tool>\" pages \"${occlod_pages}\" COMMAND_ERROR_IS_FATAL ANY)")
+    install(DIRECTORY ${occlod_pages}/share/ DESTINATION ${CMAKE_INSTALL_DATAROOTDIR})
+  endif()
 endif()
 if(OCCLOD_BUILD_VIEWER)
   install(TARGETS occlod_view)

@@ -1,4 +1,4 @@
-// Writes a mesh as 3D Tiles for CesiumJS and others, on the ground of the Earth: `occlod hlod serve tiles` shows them.
+// Writes a mesh as 3D Tiles for CesiumJS and others, on the ground of the Earth: `occlod serve tiles` shows them.
 // tiles [MESH [FOLDER]]: without a mesh, a generated city; without a folder, tiles.
 #include "occlod/tiles.h"
 

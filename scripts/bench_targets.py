@@ -81,7 +81,8 @@ class Version:
     def render(self, scene, *options):
         if "--paper" in options and not self.knows_paper:
             options = (*(option for option in options if option != "--paper"), *PAPERS_OWN_EARLIER)
-        return json.loads(self.run(self.occlod, "render", scene, "--json", *options))
+        threads = () if "--threads" in options else ("--threads", "1")
+        return json.loads(self.run(self.occlod, "render", scene, "--json", *options, *threads))
 
 
 @dataclasses.dataclass(frozen=True)

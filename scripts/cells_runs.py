@@ -87,7 +87,7 @@ class Runs:
                 cost = f"{name}_cost_{mode}_{tolerance:g}"
                 self.build(cost, scene, "--region", region, "--max-triangles", 10**12, "--threads", 1, "--occlusion", mode, "--tolerance", tolerance,
                            eyes=self.effort.cost_model)
-                self.run(f"{cost}_check.json", self.occlod, "cells", "check", self.out / f"{cost}.vlod", scene, "--cells", self.effort.cost_cells**2,
+                self.run(f"{cost}_check.json", self.occlod, "cells", "validate", self.out / f"{cost}.vlod", scene, "--cells", self.effort.cost_cells**2,
                          "--eyes", self.effort.eyes, "--image-size", self.effort.image_size, "--json", may_fail=True)
 
     def beside(self):

@@ -218,7 +218,7 @@ part_refinement() {
   begin_table gpu_refinement renderer,scene,backend,visible,queries,occlusion_ms,refine_ms,hash
   for scene in planet_full planet_near city; do
     for backend in software gl-query; do
-      json=$(occlod render "$pack/scenes/$scene.json" --occlusion "$backend" --repeat 7 --json)
+      json=$(occlod render "$pack/scenes/$scene.json" --occlusion "$backend" --threads 1 --repeat 7 --json)
       echo "\"$renderer\",$scene,$backend,$(value visible_triangles <<<"$json"),$(value queries <<<"$json"),$(value occlusion_ms <<<"$json" | rounded),$(value refine_ms <<<"$json" | rounded),$(value hash <<<"$json")" >>"$out/gpu_refinement.csv"
     done
   done

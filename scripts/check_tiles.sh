@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Tilesets of `occlod hlod export` in other people's programs: every content by the glTF validator of Khronos, and a path in CesiumJS and in
+# Tilesets of `occlod tiles` in other people's programs: every content by the glTF validator of Khronos, and a path in CesiumJS and in
 # 3DTilesRendererJS in headless Chromium, whose triangles are counted beside those of `occlod hlod render` at the same error. Needs Node with npm, a
 # connection to its registry, and Chromium (CHROMIUM: where it is); says so and exits with 77 where one is missing.
 # check_tiles.sh [SCENE.json] [--paths NAME,...] [--frames N] [--error PX] [--size WxH] [--picture K] [--occlod FILE] [--out FOLDER]

@@ -25,7 +25,7 @@ for scene in "${scenes[@]}"; do
       options=()
       [ "$culling" = star ] || options=(--paper)
       echo "$scene, $culling culling, $backend" >&2
-      if ! build/demo/tools/occlod render "meshes/scenes/$scene.json" --json --budget "$budget" --repeat "$repeat" --reference \
+      if ! build/demo/tools/occlod render "meshes/scenes/$scene.json" --json --budget "$budget" --threads 1 --repeat "$repeat" --reference \
           "${options[@]}" --occlusion "$backend" --png "${name}.png" --birdseye "${name}_birdseye.png" >"$name.json"; then
         rm -f "$name.json"
         # A machine without any OpenGL can still show everything else.

@@ -194,7 +194,7 @@ class Runs:
                                  "--tolerance", tolerance, "--reference", self.effort.error_frames)
 
     def geomorphs(self):
-        for way, options in (("off", ()), ("on", ("--geomorph",))):
+        for way, options in (("off", ()), ("on", ("--within", "geomorph"))):
             self.compare(f"geomorph_{way}", "hlod_row", "shifted", "overview", 10 * self.effort.pop_frames, *self.size, "--strategies", "vfc", *options,
                          "--reference", self.effort.pop_frames)
 
@@ -242,7 +242,7 @@ class Runs:
         for scene in self.effort.splits:
             path, budget = hlod_splits.SCENES[scene]
             self.run_program(f"splits_{scene}", self.occlod, "render", self.scene_file(scene), "--path", path, "--frame-to-frame", "--budget", budget,
-                             "--occlusion", "auto", "--explain", "--size", self.effort.guthe_size)
+                             "--occlusion", "auto", "--explain", "--threads", 1, "--size", self.effort.guthe_size)
 
     def scenes(self, wanted):
         return [scene for scene in wanted if scene in self.effort.scenes]

@@ -83,7 +83,7 @@ class Run:
                 self.occlod("hlod", "build", self.options.scene, "-o", self.out / f"{name}.ohlod", *options, "--json")
         say(f"\n{'export':12} {'tiles':>8} {'triangles':>11} {'content bytes':>14} {'all bytes':>12} {'per triangle':>13} {'ms':>8}")
         for name, options in EXPORTS.items():
-            told = self.occlod("hlod", "export", self.out / "nested.ohlod", "-o", self.out / name, *options, "--replace", "--json")
+            told = self.occlod("tiles", self.out / "nested.ohlod", "-o", self.out / name, *options, "--replace", "--json")
             self.table["exports"][name] = told
             say(f"{name:12} {told['tiles']:8} {told['triangles']:11} {told['content_bytes']:14} {told['bytes']:12} {told['bytes_per_triangle']:13.2f} {told['write_ms']:8.0f}")
         for name in ("nested", "shifted"):
@@ -105,7 +105,7 @@ class Run:
                      "--frame", self.options.picture, "--png", self.out / f"{program}_{export}.png"]
         if program == "three":
             return self.node("three.js", self.out / export, "--modules", self.out / "clients/node_modules", *arguments)
-        serving = [self.options.occlod, "hlod", "serve", self.out / export, "--port", "0", "--cesium", self.out / "clients/node_modules/cesium/Build/Cesium"]
+        serving = [self.options.occlod, "serve", self.out / export, "--port", "0", "--cesium", self.out / "clients/node_modules/cesium/Build/Cesium"]
         with subprocess.Popen(serving, stdout=subprocess.PIPE, text=True) as server:
             try:
                 return self.node("cesium.js", server.stdout.readline().strip(), *arguments)

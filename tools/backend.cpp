@@ -12,13 +12,13 @@ namespace occlod::tool {
 namespace {
 
 #ifdef OCCLOD_HAS_GL
-std::shared_ptr<gl::Context> create_context(const std::string& platform) {
-  if (platform.empty()) return gl::create_any_context();
-  return gl::create_context(platform == "egl" ? gl::Platform::egl : gl::Platform::osmesa);
+std::shared_ptr<gl::Context> create_context(const std::string& device) {
+  if (device == "gl") return gl::create_any_context();
+  return gl::create_context(device == "egl" ? gl::Platform::egl : gl::Platform::osmesa);
 }
 
 Backend make_gl_backend(const BackendOptions& options) {
-  const std::shared_ptr<gl::Context> context = create_context(options.gl_platform);
+  const std::shared_ptr<gl::Context> context = create_context(options.device);
   std::unique_ptr<Visibility> visibility = gl::make_query_occlusion(context);
   Json about = {{"platform", context->platform_name()},
                 {"renderer", context->renderer()},

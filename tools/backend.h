@@ -11,7 +11,7 @@ namespace occlod::tool {
 
 struct BackendOptions {
   std::string occlusion = "software";  // none, software, gl-query; not auto
-  std::string gl_platform;             // egl, osmesa; empty: what the machine offers
+  std::string device = "gl";           // of gl-query: egl, osmesa; gl: what the machine offers
 };
 
 struct Backend {

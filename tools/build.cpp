@@ -72,7 +72,7 @@ Hierarchy build(const Options& options, const TriangleMesh& mesh, Progress& prog
 
 void add_files(const Options& options, CommandFiles& files) {
   files.add_input("the mesh to read", options.input);
-  files.add_output("--output", options.output);
+  files.add_output("--output", options.output, ".olod");
 }
 
 void run(const Options& options) {

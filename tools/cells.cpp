@@ -1,4 +1,4 @@
-// Implements what `occlod cells build|merge|pack|info|check|walk` share.
+// Implements what `occlod cells build|merge|pack|info|validate|walk` share.
 #include "cells.h"
 
 #include <CLI/CLI.hpp>
@@ -169,7 +169,7 @@ void add_cells(CLI::App& app) {
   add_cells_merge(command);
   add_cells_pack(command);
   add_cells_info(command);
-  add_cells_check(command);
+  add_cells_validate(command);
   add_cells_walk(command);
   command.footer(
       "For example:\n"

@@ -19,10 +19,10 @@ class App;
 namespace occlod::tool {
 
 void add_cells_build(CLI::App& cells);
-void add_cells_check(CLI::App& cells);
 void add_cells_info(CLI::App& cells);
 void add_cells_merge(CLI::App& cells);
 void add_cells_pack(CLI::App& cells);
+void add_cells_validate(CLI::App& cells);
 void add_cells_walk(CLI::App& cells);
 
 // Holds the objects of a scene, or of a file of one object, ready to build cells of.

@@ -110,7 +110,7 @@ void check(const Options& options, CommandFiles& files) {
     throw CLI::ValidationError("--shard", "makes parts; leave --output out and merge them with 'occlod cells merge'");
   if (!options.shard && options.output.empty()) throw CLI::ValidationError("--output", "is required without --shard");
   files.add_input("the input", options.file);
-  if (!options.output.empty()) files.add_output("--output", options.output);
+  if (!options.output.empty()) files.add_output("--output", options.output, ".vlod");
 }
 
 // Builds and writes, and counts the work.
@@ -262,7 +262,7 @@ void add_cells_build(CLI::App& cells) {
   add_file(command, "INPUT", options->file, "A scene (.json), a mesh, or a hierarchy (.olod)")->required();
   add_file(command, "-o,--output", options->output, "File to write, .vlod");
   add_number(command, "--tolerance", options->tree.cell.tolerance_px, RealRange{min_px},
-             "Pixels that what is seen may be off")
+             "Largest error on the screen that may stay, in pixels")
       ->capture_default_str();
   add_number(command, "--budget", options->tree.cell.budget, WholeRange{1, max_drawn},
              "Triangles of a cell's meshes, drawn or not, at most: then it may be off by more than --tolerance")

@@ -18,7 +18,7 @@ namespace {
 
 struct Options {
   std::filesystem::path file;
-  bool check = false;
+  bool all = false;
   std::optional<std::uint64_t> cell;
   std::optional<glm::dvec3> eye;
   bool json = false;
@@ -100,8 +100,8 @@ Json cell_to_json(const VlodFile& file, CellId cell) {
 void run(const Options& options) {
   const auto file = open_vlod(options.file);
   std::vector<const CellAdditions*> path;
-  if (options.check) check_below(*file, 0, path);
-  if (options.check && file->is_packed()) check_geometry(*file);
+  if (options.all) check_below(*file, 0, path);
+  if (options.all && file->is_packed()) check_geometry(*file);
   Json result = {{"file", options.file.string()}, {"format", file->version()}};
   if (options.cell || options.eye)
     result.update(cell_to_json(*file, chosen_cell(options, file->tree())));
@@ -117,7 +117,7 @@ void add_cells_info(CLI::App& cells) {
   CLI::App& command = *cells.add_subcommand("info", "Describe a .vlod file, or one of its cells");
   const auto options = std::make_shared<Options>();
   add_file(command, "FILE", options->file, "A .vlod file")->required();
-  command.add_flag("--check", options->check, "Read and check what all cells draw too");
+  command.add_flag("--all", options->all, "Read and check what all cells draw too");
   command
       .add_option_function<std::string>(
           "--cell", [options](const std::string& text) { choose_cell(*options, text); },

@@ -30,7 +30,7 @@ void run(const Options& options) {
     throw Error({options.folder.string(), "", "has no .vpart files", "make some with 'occlod cells build --work'"});
   CommandFiles files;
   for (const std::filesystem::path& part : parts) files.add_input("a part", part);
-  files.add_output("--output", options.output);
+  files.add_output("--output", options.output, ".vlod");
   Progress progress(options.progress);
   progress.show("merging " + options.folder.string(), std::nullopt);
   const Stopwatch stopwatch;

@@ -28,7 +28,7 @@ void run(const Options& options) {
   CommandFiles files;
   files.add_input("the cells", options.file);
   files.add_input("the scene", options.scene);
-  files.add_output("--output", options.output);
+  files.add_output("--output", options.output, ".vlod");
   static_cast<void>(open_vlod(options.file));  // first, because the scene takes longer
   const CellScene scene = load_cell_scene(description, options.scene, options.use_cache);
   const auto file = open_vlod(options.file, scene.objects, scene.names);

@@ -29,14 +29,13 @@ namespace occlod::tool {
 namespace {
 
 constexpr std::size_t most_refined = 1'000'000;  // maximum for refinement, even if the tolerance needs more
-constexpr std::uint64_t max_every = 1'000'000;
+constexpr std::uint64_t max_compared = 1'000'000;
 
 struct Options {
   std::filesystem::path file, scene, png;
   ViewOptions view;
   CellWalkOptions walk;
-  bool reference = false;
-  std::uint64_t every = 1;
+  int compared_frames = 0;
   bool use_cache = true;
   bool json = false;
 };
@@ -194,19 +193,18 @@ void run(Options options) {
   CommandFiles files;
   files.add_input("the cells", options.file);
   files.add_input("the scene", options.scene);
-  if (!options.png.empty()) files.add_output("--png", options.png);
+  if (!options.png.empty()) files.add_output("--png", options.png, ".png");
   const CameraPath path = walked_path(options, description);
   auto file = open_vlod(options.file);  // first, because the scene takes longer
   CellScene scene;
-  if (!file->is_packed() || options.reference) {
+  if (!file->is_packed() || options.compared_frames > 0) {
     scene = load_cell_scene(description, options.scene, options.use_cache);
     auto with_objects = open_vlod(options.file, scene.objects, scene.names);
     if (!file->is_packed()) file = std::move(with_objects);
   }
   CellWalk walk(file, file->is_packed() ? std::span<const RefineObject>() : scene.objects, options.walk);
   std::optional<Comparison> comparison;
-  if (options.reference) comparison.emplace(scene.objects, file->options().cell.tolerance_px);
-  const auto every = static_cast<int>(options.every);
+  if (options.compared_frames > 0) comparison.emplace(scene.objects, file->options().cell.tolerance_px);
   Json frames = Json::array();
   if (!options.json) print_header();
   for (int i = 0; i < path.frames; ++i) {
@@ -214,10 +212,10 @@ void run(Options options) {
     for (const std::string& line : frame.walked.notes) print_note(line);
     frames.push_back(to_json(i, frame));
     const View view(frame.camera);
-    if (comparison && i % every == 0)
+    if (is_compared(i, options.compared_frames, path.frames))
       frames.back().update(
           comparison->compare(view, walk.items(), std::max(file->options().cell.tolerance_px, frame.walked.error_px)));
-    else if (comparison && i % every == every - 1)
+    else if (is_compared(i + 1, options.compared_frames, path.frames))
       comparison->follow(view);
     if (!options.json) print_row(frames.back());
   }
@@ -253,15 +251,16 @@ void add_cells_walk(CLI::App& cells) {
   add_name(command, "--path", options->view.path, "Camera path of the scene; a frame is a sixtieth of a second")
       ->required();
   add_size_option(command, options->view);
-  add_number(command, "--memory", options->walk.memory, WholeRange{1}, "Bytes for cells in memory")
-      ->capture_default_str();
+  add_memory(command, options->walk.memory, "1", "Keep no more than so many bytes of cells in memory")
+      ->default_str("256M");
   command.add_flag_callback(
       "--no-prefetch", [options] { options->walk.prefetch = false; }, "Load cells only when the eye is in them");
-  command.add_flag("--reference", options->reference,
-                   "Compare frames with the full mesh, and with refinement from frame to frame to the same tolerance");
-  add_number(command, "--every", options->every, WholeRange{1, max_every}, "With --reference: every N-th frame")
+  add_number(
+      command, "--reference", options->compared_frames, WholeRange{0, max_compared},
+      "Compare so many frames, spread evenly, with the full mesh, and with refinement from frame to frame to the "
+      "same tolerance; 0: none")
       ->capture_default_str();
-  add_file(command, "--png", options->png, "Picture of the last frame to write");
+  add_file(command, "--png", options->png, "Write a picture of the last frame");
   command.callback([options, &command] {
     read_global_options(command, {.json = &options->json, .use_cache = &options->use_cache});
     run(*options);

@@ -39,6 +39,12 @@ void change(Camera& camera, const ViewOptions& options) {
 
 }  // namespace
 
+bool is_compared(int frame, int compared, int frames) {
+  if (frame >= frames) return false;
+  const auto so_far = [&](std::int64_t drawn) { return drawn * std::min(compared, frames) / frames; };
+  return so_far(frame + std::int64_t{1}) > so_far(frame);
+}
+
 std::optional<ImageSize> parse_size(const std::string& text) {
   const std::size_t x = std::min(text.find('x'), text.size());
   const auto width = whole_number(text.substr(0, x));

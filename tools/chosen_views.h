@@ -26,6 +26,9 @@ struct ViewOptions {
   bool orthographic = false;      // replaces the perspective of the camera, or of all keys of a path
 };
 
+// Returns whether the frame is one of `compared`, spread evenly over all `frames`; all are if there are no more.
+[[nodiscard]] bool is_compared(int frame, int compared, int frames);
+
 // Parses "640x480". Returns nothing for other text.
 [[nodiscard]] std::optional<ImageSize> parse_size(const std::string& text);
 

@@ -30,6 +30,15 @@ void CommandFiles::add_output(const std::string& option, const fs::path& path) {
   refuse_twice(option, path);
 }
 
+void CommandFiles::add_output(const std::string& option, const fs::path& path, const std::string& extension) {
+  add_output(option, path);
+  if (path.extension() != extension)
+    throw CLI::ValidationError(
+        option, fmt::format("{} does not end in {}, which is what is written; name it {}{}", path.string(), extension,
+                            fs::path(path).replace_extension(extension).string(),
+                            find_format(path) ? ", or write a mesh by 'occlod simplify'" : ""));
+}
+
 void CommandFiles::add_mesh_output(const std::string& option, const fs::path& path) {
   check_mesh_output(path);
   refuse_twice(option, path);

@@ -23,6 +23,8 @@ class CommandFiles {
   // Throws CLI::ValidationError, for wrong use, when the file is already an input or output, and Error when it cannot
   // be written.
   void add_output(const std::string& option, const std::filesystem::path& path);
+  // The same of a format that is known by its extension, like ".olod": no other may be named.
+  void add_output(const std::string& option, const std::filesystem::path& path, const std::string& extension);
   void add_mesh_output(const std::string& option, const std::filesystem::path& path);
 
  private:

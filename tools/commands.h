@@ -18,6 +18,7 @@ void add_hlod(CLI::App& app);
 void add_info(CLI::App& app);
 void add_render(CLI::App& app);
 void add_repair(CLI::App& app);
+void add_serve(CLI::App& app);  // only where OCCLOD_HAS_SERVER is defined
 void add_tiles(CLI::App& app);
 void add_validate(CLI::App& app);
 

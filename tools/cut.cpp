@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
+#include <glm/geometric.hpp>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 #include "interrupt.h"
 #include "json_output.h"
 #include "mesh/image_files.h"
+#include "number_with_unit.h"
 #include "occlod/base.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/mesh_file.h"
@@ -28,13 +30,17 @@ struct Options {
   std::string file;
   std::string output;
   std::optional<std::size_t> triangles;
-  std::optional<double> error;
+  std::optional<Length> error;
   ShowProgress progress = ShowProgress::automatic;
   bool json = false;
 };
 
 FixedCut chosen_cut(const Options& options, const Hierarchy& hierarchy) {
-  if (options.error) return cut_to_error(hierarchy, *options.error);
+  if (options.error) {
+    const Box& box = hierarchy.box();
+    const double diagonal = glm::distance(glm::dvec3(box.min), glm::dvec3(box.max));
+    return cut_to_error(hierarchy, in_mesh_units(*options.error, options.file, diagonal));
+  }
   const FixedCut cut = cut_to_triangles(hierarchy, *options.triangles);
   if (cut.triangles > *options.triangles)
     throw Error({options.file, "",
@@ -84,8 +90,9 @@ void add_cut(CLI::App& app) {
   add_file(command, "FILE", options->file, "Hierarchy to read, an .olod file")->required();
   CLI::Option* triangles = add_number(command, "--triangles", options->triangles, WholeRange{1, max_elements},
                                       "At most so many triangles, with the smallest quadric error");
-  add_number(command, "--error", options->error, RealRange{},
-             "Instead: as few triangles as possible within this guaranteed distance to the full mesh, object units")
+  add_error(command, options->error, Zero::taken,
+            "Instead: as few triangles as possible within this guaranteed distance to the full mesh: in the mesh's "
+            "unit, such as 0.5, or in % of the diagonal of its bounding box")
       ->excludes(triangles);
   add_file(command, "-o,--output", options->output, "Mesh to write: .ply, .obj, .glb, .off or .stl")->required();
   command.callback([options, &command] {

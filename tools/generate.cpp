@@ -17,6 +17,7 @@
 #include "interrupt.h"
 #include "json_output.h"
 #include "mesh/generators.h"
+#include "number_with_unit.h"
 #include "occlod/mesh_file.h"
 #include "option_values.h"
 #include "peak_bytes.h"
@@ -35,12 +36,19 @@ struct Request {
   bool json = false;
 };
 
+// Of a radius or the like, a percentage is as good.
+void replace_percents(std::string& text, const GeneratorParameter& parameter) {
+  if (parameter.whole || parameter.max > 1.0 || !text.ends_with('%')) return;
+  if (const auto ratio = ratio_of(text)) text = fmt::format("{}", *ratio);
+}
+
 // Text that in_range() takes is what GeneratorParameter::accepts().
 double read_value(std::string text, const GeneratorParameter& parameter) {
   const CLI::Validator check =
       parameter.whole
           ? in_range(WholeRange{static_cast<std::uint64_t>(parameter.min), static_cast<std::uint64_t>(parameter.max)})
           : in_range(RealRange{parameter.min, parameter.max});
+  replace_percents(text, parameter);
   if (const std::string wrong = check(text); !wrong.empty())
     throw CLI::ValidationError(std::string(parameter.name), wrong);
   return std::stod(text);

@@ -46,9 +46,9 @@ void add_global_options(CLI::App& app) {
       ->transform(one_of({"always", "auto", "never"}))
       ->option_text("always|auto|never [auto]");
   app.add_option("--threads")
-      ->description("Threads; 0: one per core. No result depends on it")
+      ->description("Threads; 0: one per core. No result depends on it, but times do")
       ->transform(in_range(WholeRange{0, max_threads}))
-      ->type_name("N");
+      ->option_text("N [0]");
   app.add_flag("--no-cache")
       ->description("Build the hierarchies and HLODs of scenes and meshes again, and do not keep them");
   app.option_defaults()->group("Options");

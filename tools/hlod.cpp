@@ -1,4 +1,4 @@
-// Implements `occlod hlod build|info|validate|render|export|serve`.
+// Implements `occlod hlod build|info|validate|render`.
 #include "hlod.h"
 
 #include <fmt/format.h>
@@ -99,17 +99,6 @@ void add_node_triangles(CLI::App& command, std::uint32_t& node_triangles) {
       ->capture_default_str();
 }
 
-CLI::Option* add_memory(CLI::App& command, std::optional<std::size_t>& memory, const std::string& about) {
-  constexpr std::uint64_t least = std::uint64_t{64} << 20U;
-  const auto set = [&memory](const std::string& text) {
-    memory = byte_count(text);
-    if (!memory || *memory < least)
-      throw CLI::ValidationError(
-          "--memory", fmt::format("{} is not a number of bytes, or one with K, M or G, of at least 64M", shown(text)));
-  };
-  return command.add_option_function<std::string>("--memory", set, about)->option_text("BYTES");
-}
-
 BuiltHlod build_from_files(const std::vector<std::string>& files, bool streams, const hlod::HlodBuildOptions& options,
                            Progress& progress) {
   BuiltHlod built;
@@ -183,10 +172,6 @@ void add_hlod(CLI::App& app) {
   add_hlod_info(command);
   add_hlod_validate(command);
   add_hlod_render(command);
-  add_hlod_export(command);
-#ifdef OCCLOD_HAS_SERVER
-  add_hlod_serve(command);
-#endif
   command.footer(
       "For example:\n"
       "  occlod hlod build city.json -o city.ohlod\n"

@@ -16,16 +16,13 @@
 
 namespace CLI {
 class App;
-class Option;
-}  // namespace CLI
+}
 
 namespace occlod::tool {
 
 void add_hlod_build(CLI::App& hlod);
-void add_hlod_export(CLI::App& hlod);
 void add_hlod_info(CLI::App& hlod);
 void add_hlod_render(CLI::App& hlod);
-void add_hlod_serve(CLI::App& hlod);  // only where OCCLOD_HAS_SERVER is defined
 void add_hlod_validate(CLI::App& hlod);
 
 // Reads all files, a mesh as it is, several meshes or scenes, into one mesh in world space.
@@ -37,9 +34,10 @@ void add_hlod_validate(CLI::App& hlod);
 // Reads an .ohlod file whose groups are nested, as tilesets need. Throws Error for another.
 [[nodiscard]] OhlodFile read_nested_ohlod(const std::string& file);
 
-// Adds --node-triangles and --memory of commands that build.
+// The least that a build can keep to, for add_memory().
+inline constexpr const char* min_build_memory = "64M";
+
 void add_node_triangles(CLI::App& command, std::uint32_t& node_triangles);
-CLI::Option* add_memory(CLI::App& command, std::optional<std::size_t>& memory, const std::string& about);
 
 struct BuiltHlod {
   hlod::Hlod hlod;

@@ -52,7 +52,7 @@ void check(const Options& options, CommandFiles& files) {
   if (options.build.grouping == hlod::Grouping::shifted && options.build.borders == hlod::Borders::free)
     throw CLI::ValidationError("--borders", "free needs --grouping nested: shifted groups are there to have no gaps");
   for (const std::string& input : options.inputs) files.add_input("an input", input);
-  files.add_output("--output", options.output);
+  files.add_output("--output", options.output, ".ohlod");
   if (options.resume) files.add_output("--resume", journal_of(options));
   if (options.memory && options.build.within == hlod::Within::splits)
     throw CLI::ValidationError("--memory", "goes with --within geomorph only: splits of all nodes are kept in memory");
@@ -141,10 +141,11 @@ void add_hlod_build(CLI::App& hlod) {
              {{"none", OlodCompression::none}, {"zstd", OlodCompression::zstd}},
              "zstd: meshes of nodes take half the bytes or less, none of them lost, and are unpacked one by one when "
              "used; none: the file is mapped into memory when used");
-  add_memory(command, options->memory,
+  add_memory(command, options->memory, min_build_memory,
              "Stream the input and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files. The "
              "result does not depend on how much. Not with --within splits, which keeps all nodes in memory");
-  add_name(command, "--scratch", options->scratch, "With --memory: folder for scratch files; else that of the output")
+  add_file(command, "--scratch", options->scratch, "With --memory: folder for scratch files; else that of the output")
+      ->type_name("FOLDER")
       ->needs("--memory");
   command.add_flag("--resume", options->resume,
                    "Keep finished nodes in OUTPUT.journal until the output is there. A build that was killed goes on "

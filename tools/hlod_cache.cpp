@@ -1,8 +1,7 @@
 #include "hlod_cache.h"
 
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <memory>
 #include <set>
 
@@ -11,14 +10,6 @@
 
 namespace occlod::tool {
 namespace {
-
-void set_budget(hlod::CacheOptions& options, const std::string& text) {
-  const auto bytes = byte_count(text);
-  if (!bytes || *bytes == 0)
-    throw CLI::ValidationError("--cache",
-                               fmt::format("{} is not a number of bytes above 0, or one with K, M or G", shown(text)));
-  options.budget_bytes = *bytes;
-}
 
 std::set<hlod::NodeStore*> stores_of(std::span<const hlod::PlacedHlod> placed) {
   std::set<hlod::NodeStore*> stores;
@@ -31,15 +22,15 @@ std::set<hlod::NodeStore*> stores_of(std::span<const hlod::PlacedHlod> placed) {
 
 CLI::Option* add_cache_options(CLI::App& command, std::optional<hlod::CacheOptions>& options) {
   const auto chosen = std::make_shared<hlod::CacheOptions>();
-  CLI::Option* const cache = command.add_option_function<std::string>(
-      "--cache",
-      [&options, chosen](const std::string& text) {
-        set_budget(*chosen, text);
+  CLI::Option* const memory = command.add_option_function<std::uint64_t>(
+      "--memory",
+      [&options, chosen](std::uint64_t bytes) {
+        chosen->budget_bytes = bytes;
         options = *chosen;
       },
-      "Of .ohlod files: read meshes when they are needed, and keep no more than so many bytes of them in memory (256M "
-      "are 256 times 1,024 times 1,024)");
-  cache->option_text("BYTES");
+      "Of .ohlod files: read meshes when they are needed, and keep no more than so many bytes of them in memory such "
+      "as 256M");
+  memory->transform(in_bytes("1"))->option_text("BYTES");
   command
       .add_option_function<std::string>(
           "--load",
@@ -51,8 +42,8 @@ CLI::Option* add_cache_options(CLI::App& command, std::optional<hlod::CacheOptio
           "frames wait for them")
       ->transform(one_of({"async", "blocking"}))
       ->option_text("async|blocking [async]")
-      ->needs(cache);
-  return cache;
+      ->needs(memory);
+  return memory;
 }
 
 Json to_json(const hlod::CacheOptions& options) {

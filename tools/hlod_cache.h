@@ -15,7 +15,7 @@ class Option;
 
 namespace occlod::tool {
 
-// Adds --cache and --load, and returns the former. Without it `options` stays empty.
+// Adds --memory and --load, and returns the former. Without it `options` stays empty.
 CLI::Option* add_cache_options(CLI::App& command, std::optional<hlod::CacheOptions>& options);
 // Writes the mode as on the command line.
 [[nodiscard]] Json to_json(const hlod::CacheOptions& options);

@@ -13,13 +13,13 @@ namespace {
 
 struct Options {
   std::string file;
-  bool check = false;
+  bool all = false;
   bool json = false;
 };
 
 void run(const Options& options) {
   const OhlodFile file = read_ohlod(options.file);
-  if (options.check) file.hlod.require_all();
+  if (options.all) file.hlod.require_all();
   const hlod::HlodView& view = file.hlod.data();
   Json result = {{"file", options.file}, {"format", file.version}};
   result.update(counts_of(file.hlod));
@@ -42,7 +42,7 @@ void add_hlod_info(CLI::App& hlod) {
   CLI::App& command = *hlod.add_subcommand("info", "Describe the nodes of an .ohlod file, level by level");
   const auto options = std::make_shared<Options>();
   add_file(command, "FILE", options->file, "An .ohlod file")->required();
-  command.add_flag("--check", options->check, "Read and check the meshes and splits of all nodes too");
+  command.add_flag("--all", options->all, "Read and check the meshes and splits of all nodes too");
   command.callback([options, &command] {
     read_global_options(command, {.json = &options->json});
     run(*options);

@@ -9,15 +9,20 @@ namespace occlod::tool {
 
 void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options) {
   add_number(command, "--tolerance", options.tolerance_px, RealRange{},
-             "Refine nodes whose error is larger on the screen, in pixels; 0: draw the input itself")
+             "Largest error on the screen that may stay, in pixels; 0: draw the input itself")
       ->capture_default_str();
-  CLI::Option* const geomorph =
-      command.add_flag("--geomorph", options.geomorph, "Let vertices slide to where the parent has them");
   command
-      .add_flag("--within", options.within,
-                "Of HLODs with splits (hlod build --within splits): refine nodes within instead of by their children "
-                "where that is enough")
-      ->excludes(geomorph);
+      .add_option_function<std::string>(
+          "--within",
+          [&options](const std::string& way) {
+            options.geomorph = way == "geomorph";
+            options.within = way == "splits";
+          },
+          "Between two levels: geomorph: let vertices slide to where the parent has "
+          "them; splits, of HLODs that have them (hlod build --within splits): refine "
+          "nodes within instead of by their children where that is enough")
+      ->transform(one_of({"none", "geomorph", "splits"}))
+      ->option_text("none|geomorph|splits [none]");
 }
 
 Json to_json(const hlod::TraverseOptions& options) {

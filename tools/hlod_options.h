@@ -11,7 +11,7 @@ class App;
 
 namespace occlod::tool {
 
-// Adds --tolerance, --geomorph and --within.
+// Adds --tolerance and --within.
 void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options);
 // Omits the strategy and the costs.
 [[nodiscard]] Json to_json(const hlod::TraverseOptions& options);

@@ -48,7 +48,7 @@ std::filesystem::path picture_file(const std::string& file, int frames, int fram
 void add_files(const Options& options, const HlodRequest& request, CommandFiles& files) {
   add_files(files, options.scene);
   for (int i = 0; !options.png.empty() && i < request.frames; ++i)
-    files.add_output("--png", picture_file(options.png, request.frames, i));
+    files.add_output("--png", picture_file(options.png, request.frames, i), ".png");
 }
 
 void write_picture(const Options& options, const HlodScene& scene, const HlodTextures& textures, const Front& front,
@@ -135,12 +135,12 @@ void add_hlod_render(CLI::App& hlod) {
   CLI::App& command = *hlod.add_subcommand("render", "Draw HLODs along a camera path, culled by occlusion queries");
   const auto options = std::make_shared<Options>();
   add_hlod_scene_options(command, options->scene);
-  CLI::Option* const cache = add_cache_options(command, options->scene.paged);
+  CLI::Option* const memory = add_cache_options(command, options->scene.paged);
   command.option_defaults()->group("Refinement");
   add_choice(command, "--strategy", options->traverse.strategy, strategies(),
              "What decides which nodes are drawn; docs/guide/hlod.md explains them");
   add_traverse_options(command, options->traverse);
-  command.get_option("--within")->excludes(cache);  // splits are not read in parts
+  command.get_option("--within")->excludes(memory);  // splits are not read in parts
   command.option_defaults()->group("Device");
   add_name(command, "--device", options->device, fmt::format("What draws and answers: {}", hlod_device_names))
       ->capture_default_str();
@@ -148,7 +148,7 @@ void add_hlod_render(CLI::App& hlod) {
   add_number(command, "--reference", options->compared_frames, WholeRange{0, 1'000'000},
              "Compare so many frames, spread evenly, with the input and with what vfc draws; 0: none")
       ->capture_default_str()
-      ->excludes(cache);  // they need the whole HLOD
+      ->excludes(memory);  // they need the whole HLOD
   add_file(command, "--png", options->png,
            "Write a picture; of several frames one each: view.png becomes view_00000.png, ...");
   add_texture_option(command, options->texture, "--png lays");

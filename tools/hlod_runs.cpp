@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "chosen_views.h"
 #include "hlod/draw/trial.h"
 #include "hlod_cache.h"
 #include "hlod_strategies.h"
@@ -125,10 +126,7 @@ HlodRuns::HlodRuns(const HlodScene& scene, std::vector<HlodRun> runs, int compar
   }
 }
 
-bool HlodRuns::is_compared(int frame) const {
-  const auto so_far = [this](std::int64_t frames) { return frames * compared_frames_ / scene_.path.frames; };
-  return so_far(frame + 1) > so_far(frame);
-}
+bool HlodRuns::is_compared(int frame) const { return tool::is_compared(frame, compared_frames_, scene_.path.frames); }
 
 void HlodRuns::draw(int frame) {
   const View view(camera_at(scene_.path, frame));

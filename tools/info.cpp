@@ -23,7 +23,7 @@ namespace {
 
 struct Options {
   std::string file;
-  bool check = false;
+  bool all = false;
   bool json = false;
 };
 
@@ -81,7 +81,7 @@ void tell_hierarchy(const Options& options) {
   result["normals"] = !hierarchy.data().normals.empty();
   result["colors"] = !hierarchy.data().colors.empty();
   result["box"] = to_json(hierarchy.box(), hierarchy.data().origin);
-  if (options.check) {
+  if (options.all) {
     const Counts counts = count_all(hierarchy);
     result["dependencies"] = counts.dependencies;
     result["levels"] = counts.levels;
@@ -104,7 +104,7 @@ void add_info(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   add_file(command, "FILE", options->file, "An .olod file or a mesh")->required();
   command.add_flag(
-      "--check", options->check,
+      "--all", options->all,
       "Read and check all of an .olod file, and count dependencies and levels; meshes are read in full anyway");
   command.callback([options, &command] {
     read_global_options(command, {.json = &options->json});

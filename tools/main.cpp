@@ -17,7 +17,9 @@
 #include "interrupt.h"
 #include "occlod/base.h"
 #include "option_values.h"
+#include "pages.h"
 #include "standard_streams.h"
+#include "suggestion.h"
 
 namespace occlod::tool {
 namespace {
@@ -28,6 +30,28 @@ constexpr int exit_wrong_use = 2;
 constexpr const char* out_of_memory =
     "memory: not enough for this; end other programs, raise the limit or use a smaller mesh";
 
+// Returns the names of the subcommands, or of the options that may follow the command, with dashes.
+std::vector<std::string> known_words(const CLI::App& command, bool options) {
+  std::vector<std::string> words;
+  if (!options)
+    for (const CLI::App* const subcommand : command.get_subcommands([](const CLI::App*) { return true; }))
+      words.push_back(subcommand->get_name());
+  for (const CLI::App* app = &command; options && app != nullptr; app = app->get_parent())
+    for (const CLI::Option* const option : app->get_options())
+      for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+  return words;
+}
+
+// Describes a word that is no option, command or argument here, and which one may be meant.
+std::string what_is_unknown(const CLI::App& command, const std::string& word, bool lacks_command) {
+  const bool is_option = word.starts_with('-');
+  const char* const kind = is_option ? "option" : lacks_command ? "command" : "further argument";
+  std::string text = fmt::format("there is no {} {}", kind, shown(word));
+  if (!is_option && !lacks_command) return text;
+  const auto meant = meant_by(word.substr(0, word.find('=')), known_words(command, is_option));
+  return meant ? fmt::format("{} (did you mean {}?)", text, *meant) : text;
+}
+
 // Describes an `error` of `command`, the innermost that was given. CLI11 does not report what was typed instead of a
 // command, and names values by their type.
 std::string what_is_wrong(const CLI::App& app, const CLI::App& command, const CLI::ParseError& error) {
@@ -35,14 +59,9 @@ std::string what_is_wrong(const CLI::App& app, const CLI::App& command, const CL
   const std::vector<std::string> unknown = app.remaining(true);
   const bool lacks_command = command.get_require_subcommand_min() > 0 && command.get_subcommands().empty();
   const auto is = [&](CLI::ExitCodes code) { return error.get_exit_code() == static_cast<int>(code); };
-  if (!unknown.empty() && (lacks_command || is(CLI::ExitCodes::ExtrasError))) {
-    const bool is_option = unknown.front().starts_with('-');
-    return fmt::format("there is no {} {}",
-                       is_option       ? "option"
-                       : lacks_command ? "command"
-                                       : "further argument",
-                       shown(unknown.front()));
-  }
+  const bool lacks_option = is(CLI::ExitCodes::RequiredError) && !unknown.empty() && unknown.front().starts_with('-');
+  if (!unknown.empty() && (lacks_command || lacks_option || is(CLI::ExitCodes::ExtrasError)))
+    return what_is_unknown(command, unknown.front(), lacks_command);
   if (lacks_command) return "a command is missing";
   if (is(CLI::ExitCodes::ArgumentMismatch)) {
     const std::string option = text.substr(0, text.find(':'));
@@ -106,6 +125,9 @@ int run(int argc, char** argv) {
   add_cut(app);
   add_hlod(app);
   add_tiles(app);
+#ifdef OCCLOD_HAS_SERVER
+  add_serve(app);
+#endif
   add_cells(app);
 #ifdef OCCLOD_HAS_CGAL
   add_compare(app);
@@ -114,6 +136,7 @@ int run(int argc, char** argv) {
   add_without_cgal(app, "compare");
   add_without_cgal(app, "repair");
 #endif
+  add_pages(app);
   app.footer(  // must follow the commands, which would inherit it
       "For example:\n"
       "  occlod build statue.ply -o statue.olod\n"

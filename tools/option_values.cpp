@@ -57,6 +57,17 @@ CLI::Validator one_of(const std::vector<std::string>& words) {
   return {check, ""};
 }
 
+CLI::Validator in_bytes(const std::string& least) {
+  const auto check = [least](std::string& text) -> std::string {
+    const auto bytes = byte_count(text);
+    if (!bytes || *bytes < byte_count(least))
+      return fmt::format("{} is not a number of bytes, or one with K, M or G, of at least {}", shown(text), least);
+    text = fmt::format("{}", *bytes);
+    return "";
+  };
+  return {check, ""};
+}
+
 CLI::Validator not_empty() {
   return {[](std::string& text) -> std::string { return text.empty() ? "\"\" is not a name" : ""; }, ""};
 }

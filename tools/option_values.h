@@ -30,6 +30,8 @@ inline constexpr std::uint64_t max_threads = 1024;
 // These are for CLI::Option::transform(). Numbers are decimal and finite.
 [[nodiscard]] CLI::Validator in_range(WholeRange range);
 [[nodiscard]] CLI::Validator in_range(RealRange range);
+// Takes bytes as byte_count() does, at least as many as `least` says in the same form.
+[[nodiscard]] CLI::Validator in_bytes(const std::string& least);
 [[nodiscard]] CLI::Validator not_empty();
 // This is needed because CLI11 takes whatever follows an option for its value.
 [[nodiscard]] CLI::Validator file_name();
@@ -47,6 +49,11 @@ template <class Value, class Range>
 CLI::Option* add_number(CLI::App& command, const std::string& name, Value& value, Range range,
                         const std::string& about) {
   return command.add_option(name, value, about)->transform(in_range(range))->type_name("N");
+}
+
+template <class Value>
+CLI::Option* add_memory(CLI::App& command, Value& bytes, const std::string& least, const std::string& about) {
+  return command.add_option("--memory", bytes, about)->transform(in_bytes(least))->type_name("BYTES");
 }
 
 template <class Name>

@@ -109,10 +109,10 @@ void add_files(const RenderOptions& options, const SceneDescription& scene, Comm
   if (!options.auto_way.save_calibration.empty())
     files.add_output("--save-calibration", options.auto_way.save_calibration);
   if (const auto path = scene.paths.find(options.input.path); path != scene.paths.end() && !options.png.empty())
-    for (int i = 0; i < path->second.frames; ++i) files.add_output("--png", numbered(options.png, i));
+    for (int i = 0; i < path->second.frames; ++i) files.add_output("--png", numbered(options.png, i), ".png");
   else if (!options.png.empty())
-    files.add_output("--png", options.png);
-  if (!options.birdseye.empty()) files.add_output("--birdseye", options.birdseye);
+    files.add_output("--png", options.png, ".png");
+  if (!options.birdseye.empty()) files.add_output("--birdseye", options.birdseye, ".png");
   if (!options.mesh.empty()) files.add_mesh_output("--mesh", options.mesh);
 }
 
@@ -145,10 +145,13 @@ void add_render(CLI::App& app) {
   CLI::App& command =
       *app.add_subcommand("render", "Refine a view or a camera path of a scene, and measure, draw or save the result");
   const auto options = std::make_shared<RenderOptions>();
+  options->refine.threads = 0;  // as in all commands
   add_render_options(command, *options);
   command.callback([options, &command] {
     read_global_options(
         command, {.json = &options->json, .threads = &options->refine.threads, .use_cache = &options->input.use_cache});
+    if (command.count("--device") > 0 && options->backend.occlusion != "gl-query")
+      throw CLI::ValidationError("--device", "goes with --occlusion gl-query only");
     run(*options);
   });
 }

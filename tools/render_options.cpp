@@ -16,7 +16,7 @@ constexpr std::uint64_t max_triangles = 1'000'000'000'000;  // of a scene, whose
 constexpr std::uint64_t max_frames = 1'000'000;
 
 void add_input_options(CLI::App& command, RenderOptions& options) {
-  add_file(command, "SCENE", options.input.file, "A scene (.json), a mesh or a hierarchy (.olod)")->required();
+  add_file(command, "INPUT", options.input.file, "A scene (.json), a mesh, or a hierarchy (.olod)")->required();
   CLI::Option* camera =
       add_name(command, "--camera", options.input.camera, "Camera of the scene")->capture_default_str();
   add_name(command, "--path", options.input.path,
@@ -31,8 +31,7 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
              "Most triangles over all objects; never exceeded")
       ->capture_default_str();
   add_number(command, "--tolerance", refine.tolerance_px, RealRange{},
-             "Stop when no visible split has a larger guaranteed screen error, in pixels; 0: spend the whole budget")
-      ->capture_default_str();
+             "Spend no more of the budget than this error on the screen needs, in pixels");
   command.add_flag_callback(
       "--paper", [&refine] { refine.method = Method::paper; },
       "Refine as Birkholz & Rahn published it, to compare with: whole subtrees are tested, by cylinders, against the "
@@ -47,17 +46,17 @@ void add_occlusion_options(CLI::App& command, RenderOptions& options) {
       {{"auto", "auto"}, {"none", "none"}, {"software", "software"}, {"gl-query", "gl-query"}},
       "What answers occlusion queries; auto: in each view whatever pays. If not given: software; auto with --path but "
       "without --frame-to-frame, and with --explain or a calibration");
-  add_choice(command, "--mode", refine.mode,
-             {{"paper", OccluderMode::paper}, {"conservative", OccluderMode::conservative}},
-             "paper: the current mesh is the occluder as it is; where it bulges out of the true surface it hides too "
-             "much. conservative: only what stays hidden wherever collapses may have moved the surface, on squares of "
-             "8x8 pixels; hides nothing that the full mesh shows, hides less, and takes longer");
+  command.add_flag_callback(
+      "--conservative", [&refine] { refine.mode = OccluderMode::conservative; },
+      "Let only what stays hidden wherever collapses may have moved the surface be hidden, on squares of 8x8 pixels: "
+      "hides nothing that the full mesh shows, hides less, and takes longer. Else the current mesh hides as it is, and "
+      "too much where it bulges out of the true surface");
 }
 
 void add_gl_options(CLI::App& command, BackendOptions& backend) {
   command.option_defaults()->group("Occlusion by OpenGL (--occlusion gl-query)");
-  add_choice<std::string>(command, "--gl-platform", backend.gl_platform, {{"egl", "egl"}, {"osmesa", "osmesa"}},
-                          "How to create the OpenGL context; whatever the machine offers if not given");
+  add_choice<std::string>(command, "--device", backend.device, {{"gl", "gl"}, {"egl", "egl"}, {"osmesa", "osmesa"}},
+                          "How to create the OpenGL context; gl: as the machine offers");
 }
 
 void add_auto_options(CLI::App& command, RenderOptions& options) {

@@ -5,15 +5,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <glm/geometric.hpp>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -23,6 +20,7 @@
 #include "interrupt.h"
 #include "json_output.h"
 #include "mesh/image_files.h"
+#include "number_with_unit.h"
 #include "occlod/base.h"
 #include "occlod/bounds.h"
 #include "occlod/mesh.h"
@@ -36,12 +34,6 @@
 namespace occlod::tool {
 namespace {
 
-// A length in the mesh's unit, in metres, or relative to the diagonal of the mesh's bounding box.
-struct Length {
-  enum class Of { mesh, metre, diagonal } of = Of::mesh;
-  double value = 0.0;
-};
-
 struct Options {
   std::vector<std::string> inputs;
   std::string output;
@@ -53,43 +45,9 @@ struct Options {
   bool json = false;
 };
 
-// Returns the number before a suffix; nothing for other text and for what is not above 0.
-std::optional<double> number_before(const std::string& text, std::string_view suffix) {
-  if (!text.ends_with(suffix)) return std::nullopt;
-  const char* const end = text.data() + text.size() - suffix.size();
-  double value = 0.0;
-  const auto [stop, problem] = std::from_chars(text.data(), end, value);
-  if (problem != std::errc() || stop != end || !std::isfinite(value) || !(value > 0.0)) return std::nullopt;
-  return value;
-}
-
-// Takes "10%" and "0.1"; returns nothing for what is not above 0 and at most 1.
-std::optional<double> ratio_of(const std::string& text) {
-  std::optional<double> value = number_before(text, "");
-  if (const auto percent = number_before(text, "%")) value = *percent / 100.0;
-  return value && *value <= 1.0 ? value : std::nullopt;
-}
-
-// Takes "0.5", "0.5mm", "0.5cm", "0.5m" and "0.1%".
-std::optional<Length> length_of(const std::string& text) {
-  using Of = Length::Of;
-  if (const auto value = number_before(text, "")) return Length{Of::mesh, *value};
-  if (const auto value = number_before(text, "%")) return Length{Of::diagonal, *value / 100.0};
-  if (const auto value = number_before(text, "mm")) return Length{Of::metre, *value / 1000.0};
-  if (const auto value = number_before(text, "cm")) return Length{Of::metre, *value / 100.0};
-  if (const auto value = number_before(text, "m")) return Length{Of::metre, *value};
-  return std::nullopt;
-}
-
-double in_mesh_units(const Length& length, const std::string& file, const TriangleMesh& mesh) {
-  if (length.of == Length::Of::diagonal) {
-    const Box box = bounding_box(mesh.positions);
-    return length.value * glm::distance(glm::dvec3(box.min), glm::dvec3(box.max));
-  }
-  if (length.of == Length::Of::metre && !file.ends_with(".glb") && !file.ends_with(".gltf"))
-    throw Error(
-        {file, "", "has no unit of length, as only glTF has", "give --error as a number in its units, or in %"});
-  return length.value;
+double diagonal_of(const TriangleMesh& mesh) {
+  const Box box = bounding_box(mesh.positions);
+  return glm::distance(glm::dvec3(box.min), glm::dvec3(box.max));
 }
 
 CleanMesh read(const Options& options, const std::string& file, Progress& progress) {
@@ -108,7 +66,8 @@ SimplifiedMesh reduce(const Options& options, const std::string& file, const Tri
     progress.show("simplifying " + file, done, options.error ? 0 : mesh.triangle_count());
     return true;
   };
-  if (options.error) return simplify_within(mesh, in_mesh_units(*options.error, file, mesh), simplify_options);
+  if (options.error)
+    return simplify_within(mesh, in_mesh_units(*options.error, file, diagonal_of(mesh)), simplify_options);
   const double share = options.ratio.value_or(0.0) * static_cast<double>(mesh.triangle_count());
   const std::size_t most = options.triangles.value_or(std::max<std::size_t>(4, static_cast<std::size_t>(share)));
   return {simplify(mesh, most, simplify_options), 0.0};
@@ -186,21 +145,6 @@ void run(const Options& options) {
                  "see the lines above"});
 }
 
-// Adds an option whose text `parse` turns into a value.
-template <typename Value, typename Parse>
-CLI::Option* add_parsed(CLI::App& command, const std::string& name, std::optional<Value>& value, const Parse& parse,
-                        const std::string& wanted, const std::string& about) {
-  const auto check = CLI::Validator(
-      [parse, wanted](std::string& text) {
-        return parse(text) ? std::string() : fmt::format("{} is not {}", shown(text), wanted);
-      },
-      "", name);
-  return command
-      .add_option_function<std::string>(
-          name, [&value, parse](const std::string& text) { value = parse(text); }, about)
-      ->transform(check);
-}
-
 }  // namespace
 
 void add_simplify(CLI::App& app) {
@@ -216,14 +160,12 @@ void add_simplify(CLI::App& app) {
   CLI::Option* triangles =
       add_number(command, "--triangles", options->triangles, WholeRange{1, max_elements}, "At most so many triangles");
   CLI::Option* ratio =
-      add_parsed(command, "--ratio", options->ratio, ratio_of, "a share above 0 and at most 1, such as 10% or 0.1",
-                 "Instead: at most this share of the mesh's triangles, such as 10% or 0.1, or 4 triangles")
-          ->type_name("R")
+      add_ratio(command, options->ratio,
+                "Instead: at most this share of the mesh's triangles, such as 10% or 0.1, or 4 triangles")
           ->excludes(triangles);
-  add_parsed(command, "--error", options->error, length_of, "a length above 0, such as 0.5, 0.5mm or 0.1%",
-             "Instead: as few triangles as leave no point of either surface farther from the other, as measured: in "
-             "the mesh's unit, such as 0.5; in mm, cm or m of glTF; or in % of the diagonal of its bounding box")
-      ->type_name("E")
+  add_error(command, options->error, Zero::refused,
+            "Instead: as few triangles as leave no point of either surface farther from the other, as measured: in "
+            "the mesh's unit, such as 0.5; in mm, cm or m of glTF; or in % of the diagonal of its bounding box")
       ->excludes(triangles)
       ->excludes(ratio);
   command.callback([options, &command] {

@@ -1,5 +1,4 @@
-// Implements `occlod tiles INPUT... -o FOLDER`: 3D Tiles of meshes, a scene or an HLOD, as `hlod build` and
-// `hlod export` make them one after the other.
+// Implements `occlod tiles INPUT... -o FOLDER`: 3D Tiles 1.1 with glTF contents, of meshes, a scene or an HLOD.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
@@ -105,7 +104,7 @@ void add_tiles(CLI::App& app) {
       ->required();
   add_tileset_output(command, options->output);
   add_node_triangles(command, options->build.node_triangles);
-  add_memory(command, options->memory,
+  add_memory(command, options->memory, min_build_memory,
              "Stream the input and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files "
              "beside FOLDER");
   command.callback([options, &command] {

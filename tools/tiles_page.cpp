@@ -40,7 +40,7 @@ const script = document.createElement("script");
 script.src = cesium + "Cesium.js";
 script.onerror = () => {
   told.textContent = "CesiumJS cannot be loaded from\n" + cesium +
-    "\nWithout internet: occlod hlod serve --cesium FOLDER,\nthe folder Build/Cesium of the package cesium.";
+    "\nWithout internet: occlod serve --cesium FOLDER,\nthe folder Build/Cesium of the package cesium.";
 };
 script.onload = () => show().catch((error) => { told.textContent = String(error); });
 document.head.append(script);

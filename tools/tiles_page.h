@@ -1,4 +1,4 @@
-// Makes the page on which `occlod hlod serve` shows a tileset.
+// Makes the page on which `occlod serve` shows a tileset.
 #pragma once
 
 #include <string>

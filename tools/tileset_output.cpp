@@ -16,6 +16,7 @@ namespace occlod::tool {
 namespace {
 
 constexpr int min_bits = 8, max_bits = 16;
+constexpr std::uint64_t max_tiles_per_file = 1'000'000;
 
 // Parses LON,LAT,H.
 tiles::GeodeticOrigin parse_origin(const std::string& text) {
@@ -71,6 +72,9 @@ void add_tileset_output(CLI::App& command, TilesetOutput& output) {
            "Where image files are: the folder of the scene or mesh [that of the input, from which names lead to them]")
       ->type_name("FOLDER");
   command.add_flag("--replace", tileset.replace, "Replace the tileset that FOLDER holds");
+  add_number(command, "--tiles-per-file", output.tiles_per_file, WholeRange{1, max_tiles_per_file},
+             "The most tiles in a .json file; more go on in others")
+      ->capture_default_str();
 }
 
 void check(const TilesetOutput& output) {

@@ -1,4 +1,4 @@
-// Writes an HLOD as a tileset, with the options that `occlod tiles` and `occlod hlod export` share.
+// Writes an HLOD as a tileset, with the options of `occlod tiles` that say how.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ struct TilesetOutput {
   std::uint32_t tiles_per_file = tiles::usual_tiles_per_file;
 };
 
-// Adds --output, --compress, --quantise, --skirts, --up, --origin, --images and --replace.
+// Adds --output, --compress, --quantise, --skirts, --up, --origin, --images, --replace and --tiles-per-file.
 void add_tileset_output(CLI::App& command, TilesetOutput& output);
 
 // Throws for options that do not fit, and for a folder that is not to be had, before anything takes long.

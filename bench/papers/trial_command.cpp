@@ -97,10 +97,18 @@ void add_trial_options(CLI::App& command, hlod::TrialOptions& options) {
              "nohc, batch: how probable it is that a box is covered by what is drawn: in-scene: where boxes lie at "
              "random in the part of the image that the scene covers; printed: in all of it, as in the paper, with the "
              "levels of a binary tree");
-  CLI::Option* const geomorph =
-      command.add_flag("--geomorph", options.geomorph, "Let vertices slide to where the parent has them");
-  command.add_flag("--within", options.within, "Of HLODs with splits: refine nodes within where that is enough")
-      ->excludes(geomorph);
+  command
+      .add_option_function<std::string>(
+          "--within",
+          [&options](const std::string& way) {
+            options.geomorph = way == "geomorph";
+            options.within = way == "splits";
+          },
+          "Between two levels: geomorph: let vertices slide to where the parent has "
+          "them; splits, of HLODs that have them: refine nodes within where that is "
+          "enough")
+      ->transform(one_of({"none", "geomorph", "splits"}))
+      ->option_text("none|geomorph|splits [none]");
 }
 
 Json to_json(const hlod::TrialOptions& options) {
@@ -117,12 +125,12 @@ Json to_json(const hlod::TrialOptions& options) {
 void add_trial_cache_options(CLI::App& command, std::optional<hlod::TrialCacheOptions>& options) {
   const auto chosen = std::make_shared<hlod::TrialCacheOptions>();
   CLI::Option* const cache = command.add_option_function<std::string>(
-      "--cache",
+      "--memory",
       [&options, chosen](const std::string& text) {
         const auto bytes = byte_count(text);
         if (!bytes || *bytes == 0)
           throw CLI::ValidationError(
-              "--cache", fmt::format("{} is not a number of bytes above 0, or one with K, M or G", shown(text)));
+              "--memory", fmt::format("{} is not a number of bytes above 0, or one with K, M or G", shown(text)));
         chosen->budget_bytes = *bytes;
         options = *chosen;
       },

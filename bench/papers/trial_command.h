@@ -27,12 +27,12 @@ namespace occlod::tool {
 [[nodiscard]] const std::vector<std::pair<std::string, hlod::TrialStrategy>>& trial_strategies();
 [[nodiscard]] const std::string& name_of(hlod::TrialStrategy strategy);
 
-// --tolerance, --bias, --metric, --alpha, --coherence, --cover-model, --geomorph, --within.
+// --tolerance, --bias, --metric, --alpha, --coherence, --cover-model, --within.
 void add_trial_options(CLI::App& command, hlod::TrialOptions& options);
 // All but the strategy, the oracle and the costs.
 [[nodiscard]] Json to_json(const hlod::TrialOptions& options);
 
-// --cache, --load.
+// --memory, --load.
 void add_trial_cache_options(CLI::App& command, std::optional<hlod::TrialCacheOptions>& options);
 // The mode as it is given on the command line.
 [[nodiscard]] Json to_json(const hlod::TrialCacheOptions& options);

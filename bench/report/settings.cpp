@@ -80,7 +80,7 @@ const std::vector<Change>& series() {
          s.occlusion = false;
        }},
       {"occlod, no occlusion", "--occlusion none", [](S& s) { s.occlusion = false; }},
-      {"occlod, conservative", "--mode conservative", [](S& s) { s.refine.mode = OccluderMode::conservative; }},
+      {"occlod, conservative", "--conservative", [](S& s) { s.refine.mode = OccluderMode::conservative; }},
       {"paper's LOD", joined(paper_flags, "--occlusion none"),
        [](S& s) {
          choose_as_the_paper(s);

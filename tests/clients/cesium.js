@@ -1,4 +1,4 @@
-// cesium.js URL --cameras FILE [--error PX] [--size WxH] [--png FILE] [--frame N]: CesiumJS in headless Chromium on the page of `occlod hlod serve`,
+// cesium.js URL --cameras FILE [--error PX] [--size WxH] [--png FILE] [--frame N]: CesiumJS in headless Chromium on the page of `occlod serve`,
 // along a path. FILE: JSON, {"cameras": [{eye, target, up, fov_y_deg}]}, in the tileset's coordinates. Waits at each camera until all tiles are loaded,
 // drawing nothing meanwhile, since software takes long for that, and then draws one frame.
 // Prints one JSON object; exit 1 when a tile failed or the page complained. The picture is of camera N, without the panel.

@@ -1,4 +1,4 @@
-// What `occlod hlod serve` is asked for: two lines, the target of a request and its range. Whatever they say, the file
+// What `occlod serve` is asked for: two lines, the target of a request and its range. Whatever they say, the file
 // is one of the folder, and the range lies in it.
 #include <algorithm>
 #include <cstddef>

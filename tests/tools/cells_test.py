@@ -41,7 +41,7 @@ class Cells(ToolTest):
 
     def test_info_agrees_with_build(self):
         built = self.build(*DIVIDED)
-        for options in ([], ["--check"]):
+        for options in ([], ["--all"]):
             told = self.json_of("cells", "info", "planet.vlod", *options)
             self.assertEqual({key: told[key] for key in told if key not in ("file", "format")}, {key: built[key] for key in told if key not in ("file", "format")})
         self.assertIn("cells ", self.succeed("cells", "info", "planet.vlod"))
@@ -130,12 +130,12 @@ class Cells(ToolTest):
             self.assertEqual(packed[key], built[key], key)
         self.assertEqual((packed["candidates"], built["packed"]), (0, False))
         self.assertLess(packed["bits_per_id"], built["bits_per_id"])
-        told = self.json_of("cells", "info", "packed.vlod", "--check")
+        told = self.json_of("cells", "info", "packed.vlod", "--all")
         self.assertEqual((told["format"], told["geometry_bytes"]), (2, packed["geometry_bytes"]))
         self.assertLess(packed["geometry_bytes"], packed["geometry_raw_bytes"])
         self.succeed("cells", "pack", "packed.vlod", "planet.olod", "-o", "again.vlod")
         self.assertTrue(self.same_bytes("packed.vlod", "again.vlod"))
-        checked = self.json_of("cells", "check", "packed.vlod", "planet.olod", "--cells", 2, "--eyes", 2, "--image-size", 32)
+        checked = self.json_of("cells", "validate", "packed.vlod", "planet.olod", "--cells", 2, "--eyes", 2, "--image-size", 32)
         self.assertEqual(checked["unexplained"], 0)
 
     def test_pack_says_what_is_wrong(self):
@@ -149,7 +149,7 @@ class Cells(ToolTest):
         good = (self.folder / "packed.vlod").read_bytes()
         (self.folder / "packed.vlod").write_bytes(good[:-1] + bytes([good[-1] ^ 1]))
         self.succeed("cells", "info", "packed.vlod")
-        self.assertRegex(self.failure_of("cells", "info", "packed.vlod", "--check"), r"packed.vlod: frame \d+: is damaged: its checksum is wrong")
+        self.assertRegex(self.failure_of("cells", "info", "packed.vlod", "--all"), r"packed.vlod: frame \d+: is damaged: its checksum is wrong")
 
     def test_scenes_say_where_the_eye_may_be(self):
         self.write_cells({"regions": [{"min": [1.5, -0.5, -0.5], "max": [2.5, 0.5, 0.5]}], "root_cell": 0.5, "smallest_cell": 0.125, "max_triangles": 77})
@@ -179,7 +179,7 @@ class Cells(ToolTest):
         good = (self.folder / "planet.vlod").read_bytes()
         (self.folder / "planet.vlod").write_bytes(good[:-1] + bytes([good[-1] ^ 1]))
         self.succeed("cells", "info", "planet.vlod")
-        self.assertRegex(self.failure_of("cells", "info", "planet.vlod", "--check"), r"cell \d+: is damaged: its checksum is wrong")
+        self.assertRegex(self.failure_of("cells", "info", "planet.vlod", "--all"), r"cell \d+: is damaged: its checksum is wrong")
         (self.folder / "planet.vlod").write_bytes(good[:-1])
         self.assertIn("truncated", self.failure_of("cells", "info", "planet.vlod"))
 

@@ -71,7 +71,7 @@ class ChangingFiles(Faults):
         path = self.make_large_hierarchy()
         whole = path.read_bytes()
         (self.folder / "target.obj").write_bytes(OLD)
-        for arguments in (["info", "--check", "planet.olod"], ["validate", "planet.olod"], ["render", "planet.olod", "--budget", "100000", "--repeat", "50"],
+        for arguments in (["info", "--all", "planet.olod"], ["validate", "planet.olod"], ["render", "planet.olod", "--budget", "100000", "--repeat", "50"],
                           ["cut", "planet.olod", "--error", "0", "-o", "target.obj"]):
             for _ in range(ATTEMPTS):
                 path.write_bytes(whole)
@@ -86,7 +86,7 @@ class ChangingFiles(Faults):
         self.succeed("hlod", "build", "planet.ply", "-o", "planet.ohlod")
         path = self.folder / "planet.ohlod"
         whole = path.read_bytes()
-        for arguments in (["hlod", "info", "--check", "planet.ohlod"], ["hlod", "validate", "planet.ohlod"]):
+        for arguments in (["hlod", "info", "--all", "planet.ohlod"], ["hlod", "validate", "planet.ohlod"]):
             for _ in range(ATTEMPTS):
                 path.write_bytes(whole)
                 end = self.change_while_mapped(lambda: os.truncate(path, 4096), *arguments)

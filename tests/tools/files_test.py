@@ -76,7 +76,8 @@ class Files(ToolTest):
         os.symlink("new.png", self.folder / "link.png")  # leads to nothing yet
         for other in ("new.png", "./new.png", "sub/../new.png", "link.png", str(self.folder / "new.png")):
             self.assert_refused([*render, "new.png", "--birdseye", other], 2, f"--birdseye: would overwrite {other}, which --png writes")
-        self.assert_refused([*render, "new.ply", "--mesh", "new.ply"], 2, "--mesh: would overwrite new.ply, which --png writes")
+        os.symlink("new.png", self.folder / "link.ply")
+        self.assert_refused([*render, "new.png", "--mesh", "link.ply"], 2, "--mesh: would overwrite link.ply, which --png writes")
         self.assert_refused(["render", "scene.json", "--budget", 100, "--path", "p", "--png", "a.png", "--save-calibration", "a_00002.png"], 2,
                             "--png: would overwrite a_00002.png, which --save-calibration writes")
 

@@ -18,7 +18,7 @@ class GlTest(ToolTest):
 
     def platforms(self):
         found = [name for name in ("egl", "osmesa")
-                 if self.run_tool(*self.arguments("--occlusion", "gl-query", "--gl-platform", name)).returncode == 0]
+                 if self.run_tool(*self.arguments("--occlusion", "gl-query", "--device", name)).returncode == 0]
         if not found:
             self.skipTest("no OpenGL context")
         return found
@@ -27,7 +27,7 @@ class GlTest(ToolTest):
 class GlBackends(GlTest):
     def test_report(self):
         for platform in self.platforms():
-            result = self.render("--occlusion", "gl-query", "--gl-platform", platform)
+            result = self.render("--occlusion", "gl-query", "--device", platform)
             self.assertEqual(result["occlusion"], "gl-query")
             self.assertTrue(result["gl"]["platform"].startswith(platform), result["gl"])
             self.assert_has_keys(result["gl"], "platform renderer version flight")
@@ -38,7 +38,7 @@ class GlBackends(GlTest):
     def test_is_reproducible(self):
         """Whatever the measured window, which depends on the machine's mood."""
         for platform in self.platforms():
-            hashes = {self.render("--occlusion", "gl-query", "--gl-platform", platform)["hash"]
+            hashes = {self.render("--occlusion", "gl-query", "--device", platform)["hash"]
                       for _ in range(3)}
             self.assertEqual(len(hashes), 1)
 
@@ -55,14 +55,14 @@ class GlFaults(GlTest):
     def test_driver_too_old(self):
         for platform in self.platforms():
             for version in ("2.1", "3.0"):
-                line = self.fail_with("MESA_GL_VERSION_OVERRIDE", version, "--occlusion", "gl-query", "--gl-platform", platform)
+                line = self.fail_with("MESA_GL_VERSION_OVERRIDE", version, "--occlusion", "gl-query", "--device", platform)
                 self.assertIn("no OpenGL 3.3 core context", line)
 
     def test_no_driver(self):
         if "egl" not in self.platforms():
             self.skipTest("no EGL")
         for variable, value in (("__EGL_VENDOR_LIBRARY_FILENAMES", "/dev/null"), ("LIBGL_DRIVERS_PATH", "/nonexistent")):
-            line = self.fail_with(variable, value, "--occlusion", "gl-query", "--gl-platform", "egl")
+            line = self.fail_with(variable, value, "--occlusion", "gl-query", "--device", "egl")
             self.assertIn("EGL: no OpenGL context", line)
             self.assertIn("install a driver", line)
 
@@ -79,11 +79,11 @@ class GlFaults(GlTest):
     def test_context_lost_while_used(self):
         """Whenever the driver tells it, from the first time that it is asked until it is never asked so often: one line, and without a loss the
         result of every run. It is asked for batches, not for each query: a driver may go into the kernel to answer."""
-        whole = {platform: self.render("--occlusion", "gl-query", "--gl-platform", platform)
+        whole = {platform: self.render("--occlusion", "gl-query", "--device", platform)
                  for platform in self.platforms()}
         for platform, result in whole.items():
             self.preload_losing_driver(LOSE_CONTEXT_AT="0")
-            arguments = self.arguments("--occlusion", "gl-query", "--gl-platform", platform)
+            arguments = self.arguments("--occlusion", "gl-query", "--device", platform)
             lost, kept = -1, 0  # at the last loss that was noticed, and at one that came too late
             while self.run_tool(*arguments).returncode != 0:
                 line = self.failure_of(*arguments)
@@ -105,7 +105,7 @@ class GlFaults(GlTest):
     def test_driver_without_contexts_that_are_lost(self):
         if "egl" not in self.platforms():
             self.skipTest("no EGL")
-        arguments = self.arguments("--occlusion", "gl-query", "--gl-platform", "egl")
+        arguments = self.arguments("--occlusion", "gl-query", "--device", "egl")
         whole = self.json_of(*arguments)
         self.preload_losing_driver(REFUSE_LOSING_CONTEXTS="1")
         self.assertEqual(self.json_of(*arguments)["hash"], whole["hash"])

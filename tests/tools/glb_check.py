@@ -1,4 +1,4 @@
-"""Contents of tilesets: binary glTF 2.0 as `occlod hlod export` writes it. Of compressed ones (EXT_meshopt_compression) all is checked that can be
+"""Contents of tilesets: binary glTF 2.0 as `occlod tiles` writes it. Of compressed ones (EXT_meshopt_compression) all is checked that can be
 without decoding; positions then come from the bounds of accessors."""
 import math
 import struct

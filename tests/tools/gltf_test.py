@@ -30,7 +30,7 @@ class GltfCase(ToolTest):
         """The root of the tileset that the model makes."""
         self.model.write_glb(self.folder / "a.glb")
         self.succeed("hlod", "build", "a.glb", "-o", "a.ohlod", "--grouping", "nested", "--borders", "free")
-        self.told = self.json_of("hlod", "export", "a.ohlod", "-o", "tiles", "--replace", *options)
+        self.told = self.json_of("tiles", "a.ohlod", "-o", "tiles", "--replace", *options)
         return Read(self.folder / "tiles/tiles/0/0.glb")
 
     def complaint(self):
@@ -115,7 +115,7 @@ class Places(GltfCase):
             self.write_scene(json.dumps({"objects": [dict({"mesh": "a.glb"}, **it) for it in objects], "cameras": {"default": {"eye": [0, 0, 9], "target": [0, 0, 0]}}}))
             for options in ([], ["--memory", "64M"]):
                 self.succeed("hlod", "build", "scene.json", "-o", "a.ohlod", "--grouping", "nested", "--borders", "free", *options)
-                self.assertEqual(self.json_of("hlod", "export", "a.ohlod", "-o", "tiles", "--replace")["up"], up, objects)
+                self.assertEqual(self.json_of("tiles", "a.ohlod", "-o", "tiles", "--replace")["up"], up, objects)
 
 
 class Looks(GltfCase):
@@ -319,10 +319,10 @@ class Looks(GltfCase):
         self.succeed("cut", "out/a.olod", "--error", 0, "-o", "model/b.ply")
         self.assertIn(b"comment TextureFile my tex #1.png\n", (self.folder / "model/b.ply").read_bytes())
         self.succeed("hlod", "build", "model/m.obj", "-o", "out/a.ohlod", "--grouping", "nested", "--borders", "free")
-        told = self.json_of("hlod", "export", "out/a.ohlod", "-o", "tiles")
+        told = self.json_of("tiles", "out/a.ohlod", "-o", "tiles")
         self.assertEqual((told["images_left_out"], (self.folder / "tiles/textures/0.png").read_bytes()), ([], PNG))
         (self.folder / "model").rename(self.folder / "moved")
-        self.assertEqual(self.json_of("hlod", "export", "out/a.ohlod", "-o", "tiles", "--replace", "--images", "moved")["images_left_out"], [])
+        self.assertEqual(self.json_of("tiles", "out/a.ohlod", "-o", "tiles", "--replace", "--images", "moved")["images_left_out"], [])
         done = self.run_tool("cut", "out/a.olod", "--error", 0, "-o", "a.glb")
         self.assertEqual(done.returncode, 0)
         self.assertEqual(done.stderr, 'occlod: note: the image "../model/my tex #1.png" is not in "out"\n'.replace('"', "'"))

@@ -129,7 +129,7 @@ class HlodCompare(ToolTest):
                              [(strategy, str(frame)) for strategy in ("bool", "coh") for frame in range(3)])
 
     def test_simulated_disks_repeat_and_refine(self):
-        arguments = ("--path", "by", "--strategy", "vfc", "--frames", 40, "--cache", "64M", "--load")
+        arguments = ("--path", "by", "--strategy", "vfc", "--frames", 40, "--memory", "64M", "--load")
         hashes = lambda report: [frame["hash"] for frame in report["frames"]]
         report = self.render(*arguments, "simulated:1")
         self.assertEqual(report["cache"]["load"], "simulated:1")
@@ -143,10 +143,10 @@ class HlodCompare(ToolTest):
         self.assertIn("software, gl", self.failure("--device", "magic"))
         self.assertIn("are of one run", self.failure("--record", "a.orec"))
         for arguments in (["--strategies", "coh,magic"], ["--metric", "cube"], ["--bias", "1"], ["--bias", "1,2"], ["--bias", "x,0"], ["--bias", "nan,0"], ["--bias", "0,0,0"],
-                          ["--cache", "1M", "--load", "simulated:0"], ["--device", "software", "--replay", "a.orec"]):
+                          ["--memory", "1M", "--load", "simulated:0"], ["--device", "software", "--replay", "a.orec"]):
             done = self.run_compare("planets.ohlod", *arguments)
             self.assertNotEqual(done.returncode, 0, arguments)
-            self.assertIn(arguments[-2] if "--cache" in arguments else arguments[0], done.stderr)
+            self.assertIn(arguments[-2] if "--memory" in arguments else arguments[0], done.stderr)
 
 
 if __name__ == "__main__":

@@ -58,21 +58,21 @@ class HlodDraw(ToolTest):
         usual = self.render("--path", "by")["mean"]
         other = lambda *options: self.render("--path", "by", *options)["mean"]
         self.assertLess(other("--tolerance", 4)["drawn_triangles"], usual["drawn_triangles"])
-        self.assertNotEqual(other("--geomorph", "--reference", 7)["depth_rms_px"], other("--reference", 7)["depth_rms_px"])
+        self.assertNotEqual(other("--within", "geomorph", "--reference", 7)["depth_rms_px"], other("--reference", 7)["depth_rms_px"])
         self.assertNotEqual(self.render("--orthographic")["mean"]["hash"], self.render()["mean"]["hash"])
 
     def test_pictures(self):
         self.render("--path", "by", "--frames", 2, "--png", "view.png")
         for name in ("view_00000.png", "view_00001.png"):
             self.assertEqual((self.folder / name).read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
-        self.render("--png", "one.png", "--geomorph")
+        self.render("--png", "one.png", "--within", "geomorph")
         self.assertTrue((self.folder / "one.png").exists())
 
     def test_nodes_are_refined_within(self):
         self.succeed("hlod", "build", "scene.json", "-o", "planets.ohlod", "--node-triangles", 64, "--within", "splits")
         for strategy in ("vfc", "coh"):
             shared = ("--path", "by", "--strategy", strategy, "--tolerance", 0.5, "--reference", 7)
-            usual, within = self.render(*shared), self.render(*shared, "--within")
+            usual, within = self.render(*shared), self.render(*shared, "--within", "splits")
             self.assertEqual((usual["within"], within["within"]), (False, True))
             usual, within = usual["mean"], within["mean"]
             self.assertEqual(usual["cut_nodes"], 0)
@@ -80,9 +80,7 @@ class HlodDraw(ToolTest):
             self.assertGreater(within["cut_nodes"], 0)
             self.assertLess(within["drawn_triangles"], usual["drawn_triangles"])
             self.assertLess(within["drawn_nodes"], usual["drawn_nodes"])
-        self.render("--within", "--png", "one.png")
-        done = self.run_tool("hlod", "render", "planets.ohlod", "--within", "--geomorph")
-        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1))
+        self.render("--within", "splits", "--png", "one.png")
 
     def test_no_tolerance_draws_the_input(self):
         frame = self.render("--strategy", "vfc", "--tolerance", 0, "--reference", 1)["frames"][0]
@@ -139,7 +137,7 @@ class HlodDraw(ToolTest):
             for part in parts:
                 self.assertIn(part, line)
         self.assertIn("draw it with occlod hlod render", self.failure_of("render", "planets.ohlod"))
-        for arguments in (["--strategy", "magic"], ["--path", "by", "--camera", "default"], ["--within", "--geomorph"], ["--strategy", "sw"]):
+        for arguments in (["--strategy", "magic"], ["--path", "by", "--camera", "default"], ["--within", "both"], ["--strategy", "sw"]):
             done = self.run_tool("hlod", "render", "planets.ohlod", *arguments)
             self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), f"{arguments}: {done.stderr}")
 

@@ -1,4 +1,4 @@
-"""`occlod hlod render --cache` as people and scripts use it, and what damaged .ohlod files do to it and to its neighbours."""
+"""`occlod hlod render --memory` as people and scripts use it, and what damaged .ohlod files do to it and to its neighbours."""
 import json
 import os
 import random
@@ -64,32 +64,32 @@ class HlodPaged(Paged):
 
     def test_the_same_pictures_where_frames_wait(self):
         for name in ("planet.ohlod", "grid.ohlod"):
-            whole, paged = self.told(name=name), self.told("--cache", "64M", "--load", "blocking", name=name)
+            whole, paged = self.told(name=name), self.told("--memory", "64M", "--load", "blocking", name=name)
             self.assertEqual(self.hashes(paged), self.hashes(whole))
             self.assertEqual((paged["cache"]["budget_bytes"], paged["cache"]["load"]), (64 << 20, "blocking"))
             self.assertNotIn("cache", whole)
 
     def test_the_budget_is_kept_and_the_least_is_named(self):
-        line = self.failure_of(*self.arguments("planet.ohlod", "--cache", 1))
+        line = self.failure_of(*self.arguments("planet.ohlod", "--memory", 1))
         least = max(int(word) for word in line.replace(",", " ").replace(";", " ").split() if word.isdigit())
         self.assertIn("at least", line)
-        self.assertIn("at least", self.failure_of(*self.arguments("planet.ohlod", "--cache", least - 1)))
+        self.assertIn("at least", self.failure_of(*self.arguments("planet.ohlod", "--memory", least - 1)))
         for budget in (least, 3 * least):
-            report = self.told("--cache", budget, "--load", "blocking")
+            report = self.told("--memory", budget, "--load", "blocking")
             for frame in report["frames"]:
                 self.assertLessEqual(frame["resident_bytes"], budget)
             self.assertGreater(report["frames"][-1]["largest_sse_px"], report["tolerance_px"], "there is no room for finer ones")
         self.assertLess(self.told()["frames"][-1]["largest_sse_px"], 1.0 + 1e-6)
 
     def test_wrong_use(self):
-        for arguments, told in ((("--load", "async"), "--cache"), (("--cache", "1M", "--within"), "--within"), (("--cache", "1M", "--reference", 1), "--reference")):
+        for arguments, told in ((("--load", "async"), "--memory"), (("--memory", "1M", "--within", "splits"), "--within"), (("--memory", "1M", "--reference", 1), "--reference")):
             done = self.run_tool(*self.arguments("planet.ohlod", *arguments))
             self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
             self.assertIn(told, done.stderr)
-        self.assertIn(".ohlod", self.failure_of("hlod", "render", "planet.ply", "--cache", "1M"))
+        self.assertIn(".ohlod", self.failure_of("hlod", "render", "planet.ply", "--memory", "1M"))
 
     def on_a_simulated_disk(self, frames):
-        return [os.environ["HLOD_COMPARE"], "planet.ohlod", "--scene", "scene.json", "--path", "by", *SIZE, "--strategies", "vfc", "--cache", "64M",
+        return [os.environ["HLOD_COMPARE"], "planet.ohlod", "--scene", "scene.json", "--path", "by", *SIZE, "--strategies", "vfc", "--memory", "64M",
                 "--load", "simulated:0.5", "--frames", str(frames), "--json"]
 
     def changed_while_open(self, change, *more, program=None):
@@ -144,7 +144,7 @@ class HlodPaged(Paged):
             for program in (compare, None):
                 path.write_bytes(whole)
                 other.write_bytes(b"something else")
-                code, output, errors = self.changed_while_open(change, "--cache", "64M", "--frames", 60, program=program)
+                code, output, errors = self.changed_while_open(change, "--memory", "64M", "--frames", 60, program=program)
                 self.assertEqual((code, errors), (0, ""))
                 hashes = self.hashes(json.loads(output))
                 self.assertEqual(hashes if program else len(hashes), expected if program else 60)
@@ -157,7 +157,7 @@ class HlodDamage(Paged):
     def setUp(self):
         super().setUp()
         self.build()
-        self.commands = {"render": self.arguments("a.ohlod"), "cache": self.arguments("a.ohlod", "--cache", "8M", "--load", "blocking"),
+        self.commands = {"render": self.arguments("a.ohlod"), "cache": self.arguments("a.ohlod", "--memory", "8M", "--load", "blocking"),
                          "validate": ["hlod", "validate", "a.ohlod", "--fronts", 4]}
 
     def ends(self, content):

@@ -25,7 +25,7 @@ class Hlod(ToolTest):
 
     def test_info_agrees_with_build(self):
         built = self.build()
-        for options in ([], ["--check"]):
+        for options in ([], ["--all"]):
             told = self.json_of("hlod", "info", "planet.ohlod", *options)
             for key in ("triangles", "nodes", "levels", "roots", "patches", "stored_triangles", "bytes", "report"):
                 self.assertEqual(told[key], built[key], key)
@@ -57,7 +57,7 @@ class Hlod(ToolTest):
         for built, name in ((packed, "planet.ohlod"), (stored, "stored.ohlod")):
             size = (self.folder / name).stat().st_size
             self.assertEqual((built["file_bytes"], built["file_bytes_per_triangle"]), (size, size / TRIANGLES))
-            told = self.json_of("hlod", "info", name, "--check")
+            told = self.json_of("hlod", "info", name, "--all")
             self.assertEqual((told["compressed"], told["format"]), (name == "planet.ohlod", 6 if name == "planet.ohlod" else 4))
             self.assertTrue(self.json_of("hlod", "validate", name, "--input", "planet.ply")["valid"])
         self.assertLess(packed["file_bytes"], 0.8 * stored["file_bytes"])
@@ -91,7 +91,7 @@ class Hlod(ToolTest):
         self.assertNotIn("within_bytes", usual)
         self.assertEqual(splits["bytes"], usual["bytes"] + splits["within_bytes"])
         self.assertGreater(splits["splits"], 0)
-        told = self.json_of("hlod", "info", "--check", "splits.ohlod")
+        told = self.json_of("hlod", "info", "--all", "splits.ohlod")
         for key in ("within", "within_bytes", "splits", "bytes"):
             self.assertEqual(told[key], splits[key], key)
         self.assertRegex(self.succeed("hlod", "info", "splits.ohlod"), r"(?m)^within_bytes +[1-9]")
@@ -105,7 +105,7 @@ class Hlod(ToolTest):
         content = bytearray((self.folder / "planet.ohlod").read_bytes())
         content[-100] ^= 1  # a checksum of splits: they come last
         (self.folder / "planet.ohlod").write_bytes(content)
-        for command in (["info", "--check"], ["validate"]):
+        for command in (["info", "--all"], ["validate"]):
             self.assertIn("checksum is wrong", self.failure_of("hlod", *command, "planet.ohlod"))
 
     def test_threads_do_not_change_the_file(self):
@@ -267,7 +267,7 @@ class Hlod(ToolTest):
         flipped[len(whole) // 2] ^= 4
         (self.folder / "flipped.ohlod").write_bytes(flipped)
         self.assertIn("checksum", self.failure_of("hlod", "validate", "flipped.ohlod"))
-        self.assertIn("checksum", self.failure_of("hlod", "info", "--check", "flipped.ohlod"))
+        self.assertIn("checksum", self.failure_of("hlod", "info", "--all", "flipped.ohlod"))
         self.assertFalse((self.folder / "a.ohlod").exists())
 
 

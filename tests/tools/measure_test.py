@@ -27,6 +27,16 @@ class Cut(ToolTest):
         base = self.json_of("cut", "planet.olod", "--error", self.built["error_bound"], "-o", "cut.ply")
         self.assertEqual(base["triangles"], self.built["base_triangles"])
 
+    def test_error_of_the_diagonal(self):
+        """As `simplify` takes it: the same number, in %. A hierarchy does not say what its unit is."""
+        box = self.json_of("info", "planet.olod")["box"]
+        diagonal = sum((b - a) ** 2 for a, b in zip(box["min"], box["max"])) ** 0.5
+        cut, same = (self.json_of("cut", "planet.olod", "--error", error, "-o", "cut.ply") for error in ("1%", diagonal / 100))
+        self.assertEqual(cut, same)
+        self.assertTrue(self.built["base_triangles"] < cut["triangles"] < TRIANGLES)
+        self.assertIn("planet.olod: has no unit of length, as only glTF has; give --error as a number",
+                      self.failure_of("cut", "planet.olod", "--error", "1mm", "-o", "cut.ply"))
+
     def test_everything_is_the_input(self):
         result = self.json_of("cut", "planet.olod", "--triangles", TRIANGLES, "-o", "cut.ply")
         self.assertEqual((result["guaranteed_error"], result["rms_error"]), (0, 0))

@@ -94,13 +94,13 @@ class Mistakes(ToolTest):
     def test_help_and_version(self):
         self.assertRegex(self.succeed("--version"), r"^\d+\.\d+\.\d+\n$")
         for command in ([], ["generate"], ["build"], ["info"], ["validate"], ["render"], ["cut"], ["hlod"],
-                        ["hlod", "build"], ["hlod", "info"], ["hlod", "validate"], ["hlod", "render"], ["hlod", "export"]):
+                        ["hlod", "build"], ["hlod", "info"], ["hlod", "validate"], ["hlod", "render"], ["tiles"]):
             self.assertIn("Usage", self.succeed(*command, "--help"))
 
     def test_help_is_for_people(self):
         """Lines that fit, no types of the implementation, and what conservative mode promises."""
         for command in (["generate"], ["build"], ["info"], ["validate"], ["render"], ["cut"], ["compare"], ["repair"],
-                        ["hlod"], ["hlod", "build"], ["hlod", "info"], ["hlod", "validate"], ["hlod", "render"], ["hlod", "export"]):
+                        ["hlod"], ["hlod", "build"], ["hlod", "info"], ["hlod", "validate"], ["hlod", "render"], ["tiles"]):
             text = self.succeed(*command, "--help")
             self.assertLessEqual(max(map(len, text.splitlines())), 100, text)
             self.assertNotRegex(text, r"\b(U?INT|FLOAT|TEXT|ENUM|NONNEGATIVE|POSITIVE|value in)\b|->|\{")
@@ -112,10 +112,36 @@ class Mistakes(ToolTest):
                                 (["info", "a", "b", "c"], 'no further argument "b"'), (["render", "x", "--budget"], "--budget needs a value"),
                                 (["render", "x", "--budget", 5, "--budget", 6], "--budget is given more than once"),
                                 (["build", "a.ply"], "--output is required"), (["hlod"], "a command is missing"),
-                                (["hlod", "paint"], 'no command "paint"'), (["hlod", "build", "a.ply"], "--output is required"), (["cut", "a.olod", "-o", "a.ply"], "--triangles or --error is required")):
+                                (["render", "x", "--device", "egl"], "--device: goes with --occlusion gl-query only"), (["hlod", "paint"], 'no command "paint"'), (["hlod", "build", "a.ply"], "--output is required"), (["cut", "a.olod", "-o", "a.ply"], "--triangles or --error is required")):
             done = self.run_tool(*arguments)
             self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
             self.assertIn(told, done.stderr)
+
+    def test_what_may_be_meant(self):
+        """Of commands, and of options of the command and of the program; nothing where no word is near."""
+        for arguments, meant in ((["rendre", "x"], "render"), (["hlod", "bulid", "x"], "build"), (["render", "x", "--budge", 5], "--budget"), (["build", "x", "--compression=zstd"], "--compress"),
+                                 (["hlod", "render", "x", "--tolerence", 1], "--tolerance"), (["cells", "walk", "x", "y", "--thread", 1], "--threads"), (["cut", "x", "--ouput", "y"], "--output"), (["info", "x", "--jsno"], "--json"),
+                                 (["paint"], None), (["info", "x", "--paint"], None), (["info", "a", "ifno"], None), (["info", "x", "--" + "a" * 5000], None)):
+            done = self.run_tool(*arguments)
+            self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
+            if meant is None:
+                self.assertNotIn("did you mean", done.stderr)
+            else:
+                self.assertIn(f"(did you mean {meant}?); see occlod", done.stderr)
+
+    def test_outputs_are_named_as_what_they_are(self):
+        """No hierarchy under the name of a mesh, no mesh under that of a picture."""
+        self.make_planet()
+        nested = ["hlod", "build", "planet.ply"]
+        cells = ["cells", "build", "planet.ply", "--region", "2,2,2,3,3,3"]
+        for arguments, name, extension in ((["build", "planet.ply", "-o"], "e.ply", ".olod"), (["build", "planet.ply", "-o"], "e", ".olod"), ([*nested, "-o"], "e.olod", ".ohlod"),
+                                           ([*cells, "-o"], "e.obj", ".vlod"), (["render", "planet.ply", "--png"], "e.jpg", ".png"), (["render", "planet.ply", "--birdseye"], "e.ply", ".png"),
+                                           (["hlod", "render", "planet.ply", "--png"], "e.tga", ".png")):
+            done = self.run_tool(*arguments, name)
+            self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
+            self.assertIn(f"{name} does not end in {extension}, which is what is written; name it e{extension}", done.stderr)
+            self.assertEqual("by 'occlod simplify'" in done.stderr, name.endswith((".ply", ".obj")), done.stderr)
+            self.assertFalse((self.folder / name).exists())
 
     def test_mistakes_name_the_help_of_the_command(self):
         for command in (["build"], ["generate"], ["hlod"], ["hlod", "build"]):

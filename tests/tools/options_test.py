@@ -13,11 +13,12 @@ LARGEST = 10**12
 
 # Command without the option, option, smallest and largest value. None: any finite number.
 BUILD, CUT, COMPARE = ["build", "a.ply", "-o", "a.olod"], ["cut", "a.olod", "-o", "a.ply"], ["compare", "a.ply", "b.ply"]
+SIMPLIFY = ["simplify", "a.ply", "-o", "b.ply"]
 REPAIR, VALIDATE, RENDER = ["repair", "a.ply", "-o", "b.ply"], ["validate", "a.olod"], ["render", "a.olod"]
 HLOD_BUILD, HLOD_VALIDATE = ["hlod", "build", "a.ply", "-o", "a.ohlod"], ["hlod", "validate", "a.ohlod"]
-HLOD_EXPORT, TILES = ["hlod", "export", "a.ohlod", "-o", "a"], ["tiles", "a.ply", "-o", "a"]
+TILES = ["tiles", "a.ply", "-o", "a"]
 HLOD_RENDER = ["hlod", "render", "a.ohlod"]
-CELLS_CHECK, CELLS_WALK = ["cells", "check", "a.vlod", "a.json"], ["cells", "walk", "a.vlod", "a.json", "--path", "p"]
+CELLS_VALIDATE, CELLS_WALK = ["cells", "validate", "a.vlod", "a.json"], ["cells", "walk", "a.vlod", "a.json", "--path", "p"]
 CELLS_BUILD, CELLS_INFO, CELLS_MERGE = ["cells", "build", "a.json", "-o", "a.vlod"], ["cells", "info", "a.vlod"], ["cells", "merge", "parts", "-o", "a.vlod"]
 CELLS_PACK = ["cells", "pack", "a.vlod", "a.json", "-o", "b.vlod"]
 FRAMES = ["render", "a.json", "--path", "p", "--frame-to-frame"]
@@ -30,8 +31,7 @@ WHOLE = [
     (HLOD_BUILD, "--threads", 0, 1024),
     (HLOD_BUILD, "--quantise", 0, 23),
     (HLOD_VALIDATE, "--fronts", 0, 10**6),
-    (HLOD_EXPORT, "--quantise", 0, 16),
-    (HLOD_EXPORT, "--tiles-per-file", 1, 10**6),
+    (TILES, "--tiles-per-file", 1, 10**6),
     (TILES, "--node-triangles", 16, 4096),
     (TILES, "--quantise", 0, 16),
     (TILES, "--threads", 0, 1024),
@@ -39,13 +39,12 @@ WHOLE = [
     (CELLS_BUILD, "--budget", 1, LARGEST),
     (CELLS_BUILD, "--max-triangles", 0, LARGEST),
     (CELLS_BUILD, "--threads", 0, 1024),
-    (CELLS_CHECK, "--cells", 1, 10**6),
-    (CELLS_CHECK, "--eyes", 0, 10**6),
-    (CELLS_CHECK, "--image-size", 1, 8192),
-    (CELLS_CHECK, "--seed", 0, SEEDS),
-    (CELLS_CHECK, "--threads", 0, 1024),
-    (CELLS_WALK, "--memory", 1, SEEDS),
-    (CELLS_WALK, "--every", 1, 10**6),
+    (CELLS_VALIDATE, "--cells", 1, 10**6),
+    (CELLS_VALIDATE, "--eyes", 0, 10**6),
+    (CELLS_VALIDATE, "--image-size", 1, 8192),
+    (CELLS_VALIDATE, "--seed", 0, SEEDS),
+    (CELLS_VALIDATE, "--threads", 0, 1024),
+    (CELLS_WALK, "--reference", 0, 10**6),
     (RENDER, "--budget", 1, LARGEST),
     (RENDER, "--threads", 0, 1024),
     (RENDER, "--repeat", 1, 10**6),
@@ -56,7 +55,6 @@ REAL = [
     (BUILD, "--boundary-weight", 0, 10**6),
     (BUILD, "--attribute-weight", 0, 10**6),
     (BUILD, "--crease", 0, 180),
-    (CUT, "--error", 0, None),
     (CELLS_BUILD, "--tolerance", 1e-6, None),
     (CELLS_BUILD, "--root-cell", 1e-6, LARGEST),
     (CELLS_BUILD, "--smallest-cell", 1e-6, LARGEST),
@@ -119,9 +117,17 @@ class Options(ToolTest):
         for value in ("", "x", "-1", "1.5", "1,2", "1,2,x", "1,2,nan", "1,2,3,4", 2**32):
             self.assert_refused(CELLS_INFO, "--cell", value, ELEMENTS, "X,Y,Z")
         for value in ("", "x", "-1", "0", "0M", "1.5", "1e3", "nan", "0x10", "+1", " 1", "1 ", "M", "1T", "1KB", 2**64, f"{2**34}G", 10**30):
-            self.assert_refused(HLOD_RENDER, "--cache", value, "number of bytes")
+            for command, least in ((HLOD_RENDER, "1"), (CELLS_WALK, "1"), (HLOD_BUILD, "64M"), (TILES, "64M")):
+                self.assert_refused(command, "--memory", value, "number of bytes", least)
+        for value in ("", "x", "-1", "-0", "nan", "inf", "1e999", "1km", "1 %", "%", "1mm%"):
+            self.assert_refused(CUT, "--error", value, "a length of at least 0")
+            self.assert_refused(SIMPLIFY, "--error", value, "a length above 0")
+        for value in ("0", "0%", "0mm"):
+            self.assert_refused(SIMPLIFY, "--error", value, "a length above 0")
+        for value in ("geomorph ", "yes", ""):
+            self.assert_refused(HLOD_RENDER, "--within", value, "none, geomorph, splits")
         for value in ("", "x", "Async", "async ", "blocking:1", "simulated:1"):
-            self.assert_refused([*HLOD_RENDER, "--cache", "1M"], "--load", value, "blocking", "async")
+            self.assert_refused([*HLOD_RENDER, "--memory", "1M"], "--load", value, "blocking", "async")
 
     def test_what_generators_take(self):
         for kind, options in GENERATORS.items():
@@ -182,8 +188,8 @@ class Options(ToolTest):
             self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
             self.assertIn('"--json" looks like an option; write ./--json', done.stderr)
         self.make_planet()
-        self.succeed("build", "planet.ply", "-o", "./--json")
-        self.assertTrue((self.folder / "--json").exists())
+        self.succeed("build", "planet.ply", "-o", "./--json.olod")
+        self.assertTrue((self.folder / "--json.olod").exists())
 
     def test_ends_of_ranges_are_taken(self):
         """What is allowed gets as far as the file that is not there."""
@@ -193,16 +199,16 @@ class Options(ToolTest):
                 done = self.run_tool(*arguments)
                 self.assertEqual(done.returncode, 1, f"{arguments}: {done.stderr}")
 
-    def test_ends_of_caches_are_taken(self):
-        for cache, load in ((1, "async"), (2**64 - 1, "blocking"), ("17179869183G", "async")):
-            done = self.run_tool(*HLOD_RENDER, "--cache", cache, "--load", load)
+    def test_ends_of_memory_are_taken(self):
+        for memory, load in ((1, "async"), (2**64 - 1, "blocking"), ("17179869183G", "async")):
+            done = self.run_tool(*HLOD_RENDER, "--memory", memory, "--load", load)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
 
     def test_every_numeric_option_is_here(self):
         """Help shows what a number is with N."""
         rows = {(row[0][0], row[0][1] if row[0][0] in ("cells", "hlod") else "", row[1]) for row in self.rows(0) + self.rows(1)}
-        commands = ["build", "cut", "generate", "info", "validate", "render", *(["compare", "repair"] if self.has_cgal() else [])]
-        hlod, cells = ["build", "export", "info", "validate", "render"], ["build", "check", "info", "merge", "pack", "walk"]
+        commands = ["build", "cut", "generate", "info", "validate", "render", "tiles", *(["compare", "repair"] if self.has_cgal() else [])]
+        hlod, cells = ["build", "info", "validate", "render"], ["build", "info", "merge", "pack", "validate", "walk"]
         for command, kind in [(command, "") for command in commands] + [("hlod", kind) for kind in hlod] + [("cells", kind) for kind in cells]:
             text = self.succeed(*([command, kind] if kind else [command]), "--help")
             self.assertNotRegex(text, "INT|FLOAT|309")

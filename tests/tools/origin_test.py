@@ -120,7 +120,7 @@ class Origin(OriginTest):
     def test_tiles_are_where_their_coordinates_are(self):
         for up, turn in (("z", lambda p: p), ("y", lambda p: (p[0], -p[2], p[1]))):
             self.json_of("hlod", "build", "utm.obj", "-o", "utm.ohlod", "--grouping", "nested", "--borders", "free", "--node-triangles", 256)
-            self.succeed("hlod", "export", "utm.ohlod", "-o", up, "--up", up)
+            self.succeed("tiles", "utm.ohlod", "-o", up, "--up", up)
             tileset_check.check(self.folder / up, None)
             columns = json.loads((self.folder / up / "tileset.json").read_text())["root"]["transform"]
             wanted = {self.cell(p): turn(p) for p in self.points}
@@ -148,6 +148,75 @@ class Origin(OriginTest):
                 self.assertTrue(self.json_of("hlod", "validate", f"{name}.ohlod", "--input", f"{name}.json")["valid"])
         self.assertEqual((self.folder / "near.png").read_bytes(), (self.folder / "moved.png").read_bytes())
         self.assertAlmostEqual(drawn["utm"]["max_error_px"], drawn["near"]["max_error_px"], delta=1e-3)
+
+
+class OriginOfScenes(OriginTest):
+    """Objects that are turned, scaled and moved to large coordinates, or lie there, one beside the other."""
+
+    ASIDE = (UTM[0] + 10, UTM[1] + 3, UTM[2])  # tenths again, so that cells tell its points apart too
+
+    def setUp(self):
+        super().setUp()
+        self.write_obj("near.obj", points_of((0, 0, 0)))
+        self.write_obj("half.obj", [(y / 2, -x / 2, z / 2) for x, y, z in points_of((0, 0, 0))])
+        turned = {"mesh": "half.obj", "position": self.ASIDE, "rotation": {"axis": [0, 0, 1], "degrees": 90}, "scale": 2}
+        self.write("far.json", UTM, [{"mesh": "utm.obj"}, turned])
+        self.write("moved.json", UTM, [{"mesh": "near.obj", "position": UTM}, turned])
+        self.write("near.json", (0, 0, 0), [{"mesh": "near.obj"}, dict(turned, position=[10, 3, 0])])
+        self.places.update((self.cell(p), p) for p in points_of(self.ASIDE))
+
+    def write(self, name, at, objects):
+        camera = {"eye": [at[0] + 1.2, at[1] + 0.4, at[2] + 4], "target": [at[0] + 1.5, at[1] + 1.5, at[2]], "near": 0.1, "far": 20, "width": 120, "height": 80}
+        (self.folder / name).write_text(json.dumps({"objects": objects, "cameras": {"default": camera},
+                                                    "paths": {"along": {"frames": 3, "keys": [camera, dict(camera, eye=[camera["eye"][0] + 0.5, *camera["eye"][1:]])]}}}))
+
+    def test_meshes_and_pictures(self):
+        drawn = {}
+        for name in ("near", "moved", "far"):
+            drawn[name] = self.json_of("render", f"{name}.json", "--budget", 2 * TRIANGLES, "--mesh", f"{name}.ply", "--reference")
+            self.assertEqual(drawn[name]["wrongly_hidden_px"], 0)
+        self.assertEqual(drawn["near"]["triangles"], drawn["moved"]["triangles"])
+        for name in ("moved", "far"):
+            self.assert_kept(ply_points(self.folder / f"{name}.ply"))
+
+    def test_hlods_and_tiles(self):
+        for name in ("moved", "far"):
+            built = self.json_of("hlod", "build", f"{name}.json", "-o", f"{name}.ohlod", "--grouping", "nested", "--borders", "free")
+            self.assertEqual((built["triangles"], built["report"]["zero_area_triangles"]), (2 * TRIANGLES, 0))
+            self.assertTrue(self.json_of("hlod", "validate", f"{name}.ohlod", "--input", f"{name}.json")["valid"])
+            self.succeed("tiles", f"{name}.json", "-o", name, "--up", "z")
+            columns = json.loads((self.folder / name / "tileset.json").read_text())["root"]["transform"]
+            points = [(x, -z, y) for tile in (self.folder / name / "tiles").rglob("*.glb") for x, y, z in glb_points(tile)]
+            self.assert_kept([[columns[k] * x + columns[4 + k] * y + columns[8 + k] * z + columns[12 + k] for k in range(3)] for x, y, z in points],
+                             2 * len(self.points))
+
+    def test_cells(self):
+        """No pixel lacks what the full mesh shows, and a walk draws as many triangles as at 0."""
+        walked = {}
+        for name, at in (("near", (0, 0, 0)), ("moved", UTM), ("far", UTM)):
+            box = ",".join(repr(a + b) for b in (0, 3) for a, b in zip(at, (b, b, 3 if b == 0 else 5)))
+            self.succeed("cells", "build", f"{name}.json", "-o", f"{name}.vlod", "--region", box)
+            self.assertEqual(self.json_of("cells", "validate", f"{name}.vlod", f"{name}.json", "--eyes", 4, "--image-size", 64)["unexplained"], 0)
+            walk = self.json_of("cells", "walk", f"{name}.vlod", f"{name}.json", "--path", "along", "--reference", 3)
+            self.assertEqual([frame["unexplained_px"] for frame in walk["frame"]], [0, 0, 0])
+            walked[name] = [frame["triangles"] for frame in walk["frame"]]
+        self.assertEqual(walked["near"], walked["moved"])
+
+    def test_gltf_nodes(self):
+        """A mesh of floats whose node lies there, as converters write it."""
+        self.succeed("simplify", "near.obj", "-o", "near.glb", "--triangles", TRIANGLES)
+        data = (self.folder / "near.glb").read_bytes()
+        length = struct.unpack_from("<I", data, 12)[0]
+        gltf = json.loads(data[20:20 + length])
+        gltf["nodes"][0]["translation"] = UTM
+        text = json.dumps(gltf).encode()
+        text += b" " * (-len(text) % 4)
+        whole = data[:8] + struct.pack("<III", 20 + len(text) + len(data) - 20 - length, len(text), 0x4E4F534A) + text + data[20 + length:]
+        (self.folder / "utm.glb").write_bytes(whole)
+        info = self.json_of("info", "utm.glb")
+        self.assertEqual((info["triangles"], info["report"]["zero_area_triangles"]), (TRIANGLES, 0))
+        self.succeed("simplify", "utm.glb", "-o", "utm.ply", "--triangles", TRIANGLES)
+        self.assert_kept(ply_points(self.folder / "utm.ply"), len(self.points))
 
 
 class OriginCompared(OriginTest):

@@ -1,4 +1,4 @@
-"""`occlod hlod serve` at the level of bytes: what leaves the folder, what waits, what is too large."""
+"""`occlod serve` at the level of bytes: what leaves the folder, what waits, what is too large."""
 import json
 import os
 import pathlib
@@ -31,7 +31,7 @@ class Server(ToolTest):
         self.start()
 
     def start(self, *arguments, host="127.0.0.1"):
-        self.server = subprocess.Popen([OCCLOD, "hlod", "serve", "served", "--port", "0", *map(str, arguments)], cwd=self.folder,
+        self.server = subprocess.Popen([OCCLOD, "serve", "served", "--port", "0", *map(str, arguments)], cwd=self.folder,
                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.stop, self.server)
         line = self.server.stdout.readline()
@@ -136,7 +136,7 @@ class Server(ToolTest):
             self.start("--host", "::1", host="::1")
             self.assertEqual(self.ask("/")[0], 200)
         for host, problem in (("example.org", "example.org: is no address"), ("203.0.113.1", "port 0 of 203.0.113.1: cannot be had")):
-            self.assertIn(problem, self.failure_of("hlod", "serve", "served", "--port", 0, "--host", host))
+            self.assertIn(problem, self.failure_of("serve", "served", "--port", 0, "--host", host))
 
     def test_many_requests_on_one_connection(self):
         connection = self.connect()
@@ -205,13 +205,13 @@ class Server(ToolTest):
         self.assertLess(self.memory_kb(), 60_000)  # parts, not files
 
     def test_signals_and_ports(self):
-        done = subprocess.run([OCCLOD, "hlod", "serve", "served", "--port", str(self.port)], cwd=self.folder, capture_output=True, text=True)
+        done = subprocess.run([OCCLOD, "serve", "served", "--port", str(self.port)], cwd=self.folder, capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
         self.assertIn("cannot be had", done.stderr)
         self.server.send_signal(signal.SIGINT)
         self.assertEqual(self.server.wait(10), 0)
-        self.assertIn("no tileset.json", self.failure_of("hlod", "serve", "."))
-        self.assertIn("no Cesium.js", self.failure_of("hlod", "serve", "served", "--cesium", "."))
+        self.assertIn("no tileset.json", self.failure_of("serve", "."))
+        self.assertIn("no Cesium.js", self.failure_of("serve", "served", "--cesium", "."))
 
     def test_a_cesium_of_ones_own(self):
         (self.folder / "cesium").mkdir()

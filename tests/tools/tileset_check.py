@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""tileset_check.py FOLDER [--json]: checks a tileset of `occlod hlod export` against every rule of 3D Tiles 1.1 and glTF 2.0 that it makes use of, and
+"""tileset_check.py FOLDER [--json]: checks a tileset of `occlod tiles` against every rule of 3D Tiles 1.1 and glTF 2.0 that it makes use of, and
 against what docs/guide/tiles.md promises. Independent of our own code: it reads the bytes with Python's library. Whatever is wrong ends in exit 1 and
 one line on standard error: the file, the place in it, the problem. Contents: glb_check.py."""
 import json

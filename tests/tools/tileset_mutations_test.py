@@ -85,21 +85,21 @@ class Mutations(ToolTest):
         super().setUp()
         self.make_planet()
         self.json_of("hlod", "build", "planet.ply", "-o", "planet.ohlod", "--node-triangles", 200, "--grouping", "nested", "--borders", "free")
-        self.json_of("hlod", "export", "planet.ohlod", "-o", "good", "--tiles-per-file", 6, "--origin", "11.5,48.1,520")
+        self.json_of("tiles", "planet.ohlod", "-o", "good", "--tiles-per-file", 6, "--origin", "11.5,48.1,520")
         self.good = self.folder / "good"
         tileset_check.check(self.good)
 
     def other_exports(self):
         """Quantised and, where occlod can, compressed contents; and one with a texture."""
-        self.json_of("hlod", "export", "planet.ohlod", "-o", "quantised", "--quantise", 12)
-        if "has no EXT_meshopt_compression" not in self.run_tool("hlod", "export", "planet.ohlod", "-o", "packed", "--compress", "meshopt").stderr:
+        self.json_of("tiles", "planet.ohlod", "-o", "quantised", "--quantise", 12)
+        if "has no EXT_meshopt_compression" not in self.run_tool("tiles", "planet.ohlod", "-o", "packed", "--compress", "meshopt").stderr:
             yield self.folder / "packed"
         yield self.folder / "quantised"
         (self.folder / "a.obj").write_text("mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n")
         (self.folder / "a.mtl").write_text("newmtl a\nmap_Kd a.png\n")
         (self.folder / "a.png").write_bytes(PNG)
         self.json_of("hlod", "build", "a.obj", "-o", "a.ohlod", "--grouping", "nested", "--borders", "free")
-        self.json_of("hlod", "export", "a.ohlod", "-o", "textured")
+        self.json_of("tiles", "a.ohlod", "-o", "textured")
         yield self.folder / "textured"
 
     @contextlib.contextmanager

@@ -1,4 +1,4 @@
-"""`occlod hlod export` and `occlod tiles`, by tileset_check.py; and that the checker refuses tilesets that are broken in one way each."""
+"""`occlod tiles`, by tileset_check.py; and that the checker refuses tilesets that are broken in one way each."""
 import base64
 import json
 import math
@@ -21,7 +21,7 @@ class Tileset(ToolTest):
         return self.json_of("hlod", "build", *inputs, "-o", output, "--node-triangles", node_triangles, "--grouping", "nested", "--borders", "free")
 
     def export(self, *arguments, folder="tiles"):
-        return self.json_of("hlod", "export", "planet.ohlod", "-o", folder, *arguments)
+        return self.json_of("tiles", "planet.ohlod", "-o", folder, *arguments)
 
     def check(self, folder="tiles", max_tiles=None):
         return tileset_check.check(self.folder / folder, max_tiles)
@@ -90,7 +90,7 @@ class Tileset(ToolTest):
         self.assertAlmostEqual(math.degrees(math.atan2(y, x)), 11.5, places=12)
         self.assertAlmostEqual(p / math.cos(phi) - a / math.sqrt(1 - e2 * math.sin(phi) ** 2), 520, places=5)
         for bad in ("11.5", "11.5,48.1", "181,0,0", "0,91,0", "a,b,c", "0,0,nan", "0,0,0,0", "0,,0"):
-            done = self.run_tool("hlod", "export", "planet.ohlod", "-o", "bad", "--origin", bad)
+            done = self.run_tool("tiles", "planet.ohlod", "-o", "bad", "--origin", bad)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
             self.assertIn("--origin", done.stderr)
         self.assert_nothing_left("tiles")
@@ -115,12 +115,12 @@ class Tileset(ToolTest):
             self.assertLess(max(position["max"]), 2**bits)
             self.assertGreaterEqual(max(position["max"]), 2 ** (bits - 1) - 1)
         for bad in (1, 7, 17):
-            done = self.run_tool("hlod", "export", "planet.ohlod", "-o", "bad", "--quantise", bad)
+            done = self.run_tool("tiles", "planet.ohlod", "-o", "bad", "--quantise", bad)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
 
     def test_compressed(self):
         self.build("planet.ohlod", 1024)
-        done = self.run_tool("hlod", "export", "planet.ohlod", "-o", "small", "--compress", "meshopt", "--json")
+        done = self.run_tool("tiles", "planet.ohlod", "-o", "small", "--compress", "meshopt", "--json")
         if "this build of occlod has no EXT_meshopt_compression" in done.stderr:
             self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
             self.skipTest("occlod was built without meshoptimizer")
@@ -167,7 +167,7 @@ class Tileset(ToolTest):
                              [(True, True), (False, False), (False, False)])
             self.assertEqual(looks[2]["baseColorFactor"], [1, 0, 0, 1])
             self.assertEqual(gltf["images"], [{"uri": "../../textures/0.png"}])
-        note = self.run_tool("hlod", "export", "planet.ohlod", "-o", "tiles", "--replace").stderr
+        note = self.run_tool("tiles", "planet.ohlod", "-o", "tiles", "--replace").stderr
         self.assertEqual(note.count("\n"), 1, note)  # the other is where it was when the .ohlod file was built
         self.assertIn("--images names the folder", note)
 
@@ -191,7 +191,7 @@ class Tileset(ToolTest):
 
     def test_only_trees(self):
         self.json_of("hlod", "build", "planet.ply", "-o", "shifted.ohlod", "--node-triangles", 64)
-        line = self.failure_of("hlod", "export", "shifted.ohlod", "-o", "tiles")
+        line = self.failure_of("tiles", "shifted.ohlod", "-o", "tiles")
         self.assertIn("shifted.ohlod: has shifted groups", line)
         self.assertIn("--grouping nested", line)
         self.assertFalse((self.folder / "tiles").exists())
@@ -199,22 +199,22 @@ class Tileset(ToolTest):
     def test_folders_that_are_there(self):
         (self.folder / "tiles").mkdir()
         self.export()
-        self.assertIn("holds a tileset already", self.failure_of("hlod", "export", "planet.ohlod", "-o", "tiles"))
+        self.assertIn("holds a tileset already", self.failure_of("tiles", "planet.ohlod", "-o", "tiles"))
         before = self.check()
         (self.folder / "tiles/old").write_text("")
-        self.assertIn("holds old, which is no part", self.failure_of("hlod", "export", "planet.ohlod", "-o", "tiles", "--replace"))
+        self.assertIn("holds old, which is no part", self.failure_of("tiles", "planet.ohlod", "-o", "tiles", "--replace"))
         (self.folder / "tiles/old").unlink()
         self.export("--replace", "--quantise", 12)
         self.assertEqual(self.check()["tiles"], before["tiles"])
         (self.folder / "foreign").mkdir()
         for text in ("{}", "[]", "not json", '{"asset": {"extras": {"generator": "other"}}}'):
             (self.folder / "foreign/tileset.json").write_text(text)
-            self.assertIn("has not written", self.failure_of("hlod", "export", "planet.ohlod", "-o", "foreign", "--replace"))
+            self.assertIn("has not written", self.failure_of("tiles", "planet.ohlod", "-o", "foreign", "--replace"))
             self.assertEqual((self.folder / "foreign/tileset.json").read_text(), text)
         (self.folder / "file").write_text("x")
-        self.assertIn("is not a folder", self.failure_of("hlod", "export", "planet.ohlod", "-o", "file", "--replace"))
-        self.assertIn("does not exist", self.failure_of("hlod", "export", "planet.ohlod", "-o", "missing/tiles"))
-        self.assertIn("name a folder in it", self.failure_of("hlod", "export", "planet.ohlod", "-o", "."))
+        self.assertIn("is not a folder", self.failure_of("tiles", "planet.ohlod", "-o", "file", "--replace"))
+        self.assertIn("does not exist", self.failure_of("tiles", "planet.ohlod", "-o", "missing/tiles"))
+        self.assertIn("name a folder in it", self.failure_of("tiles", "planet.ohlod", "-o", "tiles/."))
         (self.folder / "link").symlink_to("tiles")
         self.export("--replace", folder="link/")
         self.assertTrue((self.folder / "link").is_symlink())
@@ -224,14 +224,14 @@ class Tileset(ToolTest):
         whole = bytearray((self.folder / "planet.ohlod").read_bytes())
         whole[len(whole) // 2] ^= 1
         (self.folder / "planet.ohlod").write_bytes(whole)
-        self.assertIn("checksum", self.failure_of("hlod", "export", "planet.ohlod", "-o", "tiles"))
+        self.assertIn("checksum", self.failure_of("tiles", "planet.ohlod", "-o", "tiles"))
         self.assert_nothing_left()
 
     def test_full_disk(self):
         """A limit of file sizes ends a write as a full disk does."""
         self.export()
         before = self.check()
-        done = subprocess.run(["bash", "-c", f"ulimit -f 1; exec {OCCLOD} hlod export planet.ohlod -o tiles --replace"], cwd=self.folder, capture_output=True, text=True)
+        done = subprocess.run(["bash", "-c", f"ulimit -f 1; exec {OCCLOD} tiles planet.ohlod -o tiles --replace"], cwd=self.folder, capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
         self.assertIn("tiles: cannot be written", done.stderr)
         self.assertEqual(self.check(), before)
@@ -248,7 +248,7 @@ class Tileset(ToolTest):
 
 
 class OneCommand(ToolTest):
-    """`occlod tiles` writes the bytes of `occlod hlod build` and `occlod hlod export`."""
+    """`occlod tiles` of meshes writes the bytes of `occlod tiles` of their HLOD."""
 
     def files_of(self, folder):
         return {str(path.relative_to(self.folder / folder)): path.read_bytes() for path in (self.folder / folder).rglob("*") if path.is_file()}
@@ -257,7 +257,7 @@ class OneCommand(ToolTest):
         """Returns what the one command has told."""
         told = self.json_of("tiles", *inputs, "-o", "one", "--replace", *build, *export)
         self.succeed("hlod", "build", *inputs, "-o", "two.ohlod", "--grouping", "nested", "--borders", "free", *build)
-        self.succeed("hlod", "export", "two.ohlod", "-o", "two", "--replace", *export)
+        self.succeed("tiles", "two.ohlod", "-o", "two", "--replace", *export)
         self.assertEqual(self.files_of("one"), self.files_of("two"))
         self.assertEqual(told["tiles"], tileset_check.check(self.folder / "one")["contents"])
         self.assert_has_keys(told, "inputs folder up tiles triangles bytes build_ms write_ms peak_bytes")
@@ -325,7 +325,7 @@ class Broken(ToolTest):
         super().setUp()
         self.make_planet()
         self.json_of("hlod", "build", "planet.ply", "-o", "planet.ohlod", "--node-triangles", 64, "--grouping", "nested", "--borders", "free")
-        self.json_of("hlod", "export", "planet.ohlod", "-o", "good", "--tiles-per-file", 30)
+        self.json_of("tiles", "planet.ohlod", "-o", "good", "--tiles-per-file", 30)
         tileset_check.check(self.folder / "good")
 
     def refused(self, reason, change):

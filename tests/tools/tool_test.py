@@ -39,6 +39,14 @@ class GenerateBuildValidate(ToolTest):
         plant = ("generate", "plant", "storeys=2", "bays=4", "-o", "plant.ply")
         self.assertLess(2 * self.json_of(*plant, "--stream")["peak_bytes"], self.json_of(*plant)["peak_bytes"])
 
+    def test_generate_takes_percents(self):
+        """Of ratios: 8 % is 0.08; of nothing else."""
+        for name, value in (("a.ply", "0.2"), ("b.ply", "20%")):
+            self.succeed("generate", "rough-planet", "level=2", f"amplitude={value}", "-o", name)
+        self.assertTrue(self.same_bytes("a.ply", "b.ply"))
+        for setting in ("frequency=400%", "level=200%", "amplitude=100%", "amplitude=-1%"):
+            self.assertEqual(self.run_tool("generate", "rough-planet", setting, "-o", "a.ply").returncode, 2, setting)
+
     def test_generate_is_reproducible_and_seeded(self):
         for name, seed in [("a.ply", 1), ("b.ply", 1), ("c.ply", 2)]:
             self.make_planet(name, seed)
@@ -99,7 +107,7 @@ class GenerateBuildValidate(ToolTest):
             self.assertEqual(self.json_of(*command)["report"]["left_out"], counts, command)
             self.assertIn(words, self.run_tool(*command).stdout)
         for command in (["validate", "a.olod"], ["cut", "a.olod", "--error", 0, "-o", "b.ply"], ["hlod", "validate", "a.ohlod"],
-                        ["hlod", "export", "a.ohlod", "-o", "tiles", "--replace"]):
+                        ["tiles", "a.ohlod", "-o", "tiles", "--replace"]):
             self.assertEqual(self.json_of(*command)["left_out"], counts, command)
             self.assertIn(words, self.run_tool(*command).stdout)
 
@@ -189,7 +197,7 @@ class Render(ToolTest):
         self.assertEqual(len(hashes), 1)
 
     def test_options_change_the_refinement(self):
-        hashes = [self.render(*options)["hash"] for options in ([], ["--paper"], ["--mode", "conservative"])]
+        hashes = [self.render(*options)["hash"] for options in ([], ["--paper"], ["--conservative"])]
         hashes.append(self.render(budget=500)["hash"])
         # Whole subtrees are hidden only once there is more budget than they can do without.
         hashes += [self.render("--paper", "--occlusion", backend, budget=1500)["hash"] for backend in ("none", "software")]

@@ -41,7 +41,7 @@ class CommandLine(unittest.TestCase):
         sizes = ["big", "10x10", "640", "640x", "640x480x2", "640x480 ", "+640x480", "-640x480", "nanx480", "640xinf", "1e3x800", "9000x900",
                  "99999999999999999999x480", ""]
         for arguments in [("--nonsense",), ("--script", ""), ("--settings", ""), ("--calibration", ""), ("",), *(("--size", size) for size in sizes),
-                          *(("--cache", size) for size in ("", "0", "-1", "1.5", "1T", "18446744073709551616")), ("--load", "async"), ("--cache", "1M", "--load", "fast")]:
+                          *(("--memory", size) for size in ("", "0", "-1", "1.5", "1T", "18446744073709551616")), ("--load", "async"), ("--memory", "1M", "--load", "fast")]:
             result = view(*arguments, environment={})
             self.assertEqual(result.returncode, 2, arguments)
             self.assertIn("--help", result.stderr)
@@ -254,7 +254,7 @@ class Script(unittest.TestCase):
                 {"do": "set", "setting": "hlod_tolerance", "value": 0},
                 {"do": "open", "file": str(hlod)},
                 {"do": "wait", "for": "refinement"},
-                {"do": "report"}], "--cache", str(budget))
+                {"do": "report"}], "--memory", str(budget))
             self.assertEqual(result.returncode, 0, result.stderr)
             told = json.loads(result.stdout)
             self.assertEqual((told["cache_budget_bytes"], told["cache_loading_bytes"], told["cache_failed"]), (budget, 0, failed))

@@ -92,7 +92,7 @@ std::string megabytes(std::uint64_t bytes) { return fmt::format("{:.1f} MB", sta
 // Shows the cache of HLODs whose meshes are loaded on demand.
 void draw_cache(const hlod::StoreStats& cache) {
   draw_row("Cache", fmt::format("{} of {}", megabytes(cache.resident_bytes), megabytes(cache.budget_bytes)));
-  draw_help_of_item("Meshes that are there, and what they may take: --cache");
+  draw_help_of_item("Meshes that are there, and what they may take: --memory");
   draw_row("Waiting",
            fmt::format("{}; {} come", grouped(static_cast<double>(cache.missing)), megabytes(cache.loading_bytes)));
   draw_help_of_item("Meshes in place of which something coarser is drawn; what is being read, also ahead of time");

@@ -1,4 +1,4 @@
-// Implements `occlod hlod serve FOLDER`.
+// Implements `occlod serve FOLDER`.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -7,9 +7,9 @@
 #include <memory>
 #include <string>
 
+#include "commands.h"
 #include "file_server.h"
 #include "global_options.h"
-#include "hlod.h"
 #include "occlod/base.h"
 #include "option_values.h"
 #include "tiles_page.h"
@@ -56,8 +56,8 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_hlod_serve(CLI::App& hlod) {
-  CLI::App& command = *hlod.add_subcommand("serve", "Show a tileset in a browser, until Ctrl-C");
+void add_serve(CLI::App& app) {
+  CLI::App& command = *app.add_subcommand("serve", "Show a tileset in a browser, until Ctrl-C");
   const auto options = std::make_shared<Options>();
   add_file(command, "FOLDER", options->folder, "A tileset, with a tileset.json")->required();
   command

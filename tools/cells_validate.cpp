@@ -1,4 +1,4 @@
-// Implements `occlod cells check FILE.vlod SCENE`.
+// Implements `occlod cells validate FILE.vlod SCENE`.
 #include <fmt/format.h>
 #include <xxhash.h>
 
@@ -182,9 +182,9 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_cells_check(CLI::App& cells) {
+void add_cells_validate(CLI::App& cells) {
   CLI::App& command =
-      *cells.add_subcommand("check", "Look from random eyes of random cells: is all that they see drawn?");
+      *cells.add_subcommand("validate", "Look from random eyes of random cells: is all that they see drawn?");
   const auto options = std::make_shared<Options>();
   add_file(command, "FILE", options->file, "File to check, .vlod")->required();
   add_file(command, "SCENE", options->scene, "What it was built of: a scene (.json), a mesh or an .olod file")
