@@ -145,6 +145,9 @@ class Simplify(Extension):
         colors = data.color_attributes["paint"]
         self.assertEqual((colors.data_type, colors.domain), ("FLOAT_COLOR", "POINT"))
         numpy.testing.assert_allclose(values(colors.data, "color_srgb", 4)[:, :3], places / 2 + 0.5, atol=0.02)
+        bpy.ops.object.occlod_simplify(ratio=0.5)
+        layers = made.data.uv_layers.active.name, made.data.color_attributes.active_color.name
+        self.assertEqual((len(made.data.polygons), *layers), (1024, "chart", "paint"))
 
     def test_of_everything_leaves_all_as_it_is(self):
         made = paint(ball(3))
@@ -184,9 +187,8 @@ class Simplify(Extension):
     def test_can_be_undone(self):
         made = ball(4)
         bpy.ops.ed.undo_push(message="a ball")
-        bpy.ops.object.occlod_simplify(goal="triangles", triangles=100)
+        bpy.ops.object.occlod_simplify("EXEC_DEFAULT", True, goal="triangles", triangles=100)  # True: as from the window
         self.assertEqual(len(made.data.polygons), 100)
-        bpy.ops.ed.undo_push(message="simplified")  # what the window does after an operator with UNDO
         self.assertTrue(bpy.ops.ed.undo.poll())
         bpy.ops.ed.undo()
         self.assertEqual(len(bpy.context.object.data.polygons), 1280)
