@@ -13,11 +13,12 @@ def _view_of(context):
         raise occlod.Error(scene.name, "", "has no active camera", "add one")
     if scene.camera.data.type == "PANO":
         raise occlod.Error(scene.camera.name, "", "is panoramic", "choose a perspective or orthographic camera")
+    if render.pixel_aspect_x != render.pixel_aspect_y:
+        raise occlod.Error(scene.name, "", "renders pixels that are not square", "set both aspects to 1")
     width, height = (size * render.resolution_percentage // 100 for size in (render.resolution_x, render.resolution_y))
     depsgraph = context.evaluated_depsgraph_get()
     camera = scene.camera.evaluated_get(depsgraph)
-    projection = camera.calc_matrix_camera(
-        depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y)
+    projection = camera.calc_matrix_camera(depsgraph, x=width, y=height)
     to_eye = camera.matrix_world.normalized().inverted()
     return occlod.view_of(numpy.array(to_eye), numpy.array(projection), width, height)
 

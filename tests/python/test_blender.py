@@ -270,7 +270,7 @@ class Refine(Extension):
             made = hills()
             image = camera((0, 0, 3), (0, 0, 0), **more)
             bpy.ops.object.occlod_refine(budget=1000)
-            self.assertGreater(seen(made, image), 0.8 * len(made.data.polygons), more)
+            self.assertGreater(seen(made, image), 0.6 * len(made.data.polygons), more)
 
     def test_says_what_is_wrong(self):
         ball(3)
@@ -278,9 +278,9 @@ class Refine(Extension):
         bpy.context.scene.camera = None
         self.refuses("Error: Scene: has no active camera; add one", refine)
         image = camera((0, 0, 5), (0, 0, 0))
-        self.refuses("", refine, budget=3)
+        self.refuses("Error: budget: of 3 triangles is smaller than the base meshes; give at least 64", refine, budget=3)
         bpy.context.scene.render.pixel_aspect_x = 2
-        self.refuses("", refine)
+        self.refuses("Error: Scene: renders pixels that are not square; set both aspects to 1", refine)
         image.data.type = "PANO"
         self.refuses("Error: eye: is panoramic; choose a perspective or orthographic camera", refine)
 
