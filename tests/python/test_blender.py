@@ -83,8 +83,8 @@ def hills(*more):
     return make("hills", data)
 
 
-def camera(eye, target, **more):
-    """The scene's, with an image of 400 x 300 pixels."""
+def camera(eye, target, size=(400, 300), **more):
+    """The scene's, with an image of so many pixels."""
     data = bpy.data.cameras.new("eye")
     for name, value in more.items():
         setattr(data, name, value)
@@ -94,7 +94,7 @@ def camera(eye, target, **more):
     made.rotation_euler = (mathutils.Vector(target) - mathutils.Vector(eye)).to_track_quat("-Z", "Y").to_euler()
     scene = bpy.context.scene
     scene.camera = made
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 800, 600, 50
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 2 * size[0], 2 * size[1], 50
     return made
 
 
@@ -150,11 +150,18 @@ class Simplify(Extension):
         self.assertEqual((len(made.data.polygons), *layers), (1024, "chart", "paint"))
 
     def test_of_everything_leaves_all_as_it_is(self):
-        made = paint(ball(3))
-        before = positions(made.data)[corners(made.data)], values(made.data.uv_layers[0].uv, "vector", 2)
-        bpy.ops.object.occlod_simplify(ratio=1)
-        after = positions(made.data)[corners(made.data)], values(made.data.uv_layers[0].uv, "vector", 2)
-        rows = [numpy.hstack(each) for each in (before, after)]
+        made = ball(3)
+        count = len(made.data.loops)
+        known = numpy.random.default_rng(1).integers(0, 256, (count, 4))
+        made.data.uv_layers.new(name="chart").uv.foreach_set("vector", (known[:, :2] / 256).ravel())
+        made.data.color_attributes.new("paint", "BYTE_COLOR", "CORNER").data.foreach_set("color_srgb", (known / 255).ravel())
+        rows = []
+        for _ in range(2):
+            data, colors = made.data, made.data.color_attributes["paint"]
+            each = positions(data)[corners(data)], values(data.uv_layers["chart"].uv, "vector", 2), values(colors.data, "color_srgb", 4)
+            rows.append(numpy.hstack(each))
+            self.assertEqual((len(rows[-1]), colors.data_type, colors.domain), (count, "BYTE_COLOR", "CORNER"))
+            bpy.ops.object.occlod_simplify(ratio=1)
         numpy.testing.assert_array_equal(*(each[numpy.lexsort(each.T)] for each in rows))
 
     def test_shading(self):
@@ -265,8 +272,8 @@ class Refine(Extension):
         self.assertGreater(right.sum(), 10 * left.sum())
 
     def test_the_image_counts(self):
-        """A camera shifted, parallel or narrow sees less; what it does not see stays coarse."""
-        for more in ({"type": "ORTHO", "ortho_scale": 0.7}, {"lens": 200}, {"shift_x": 0.7, "lens": 100}):
+        """What a camera that is shifted, parallel, narrow, or has an upright image does not see stays coarse."""
+        for more in ({"type": "ORTHO", "ortho_scale": 0.7}, {"lens": 200}, {"shift_x": 0.7, "lens": 100}, {"size": (100, 400)}):
             made = hills()
             image = camera((0, 0, 3), (0, 0, 0), **more)
             bpy.ops.object.occlod_refine(budget=1000)
