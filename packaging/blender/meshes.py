@@ -22,11 +22,14 @@ def _uv_of(data):
 def from_data(data):
     """A mesh with a vertex for each corner of the faces; clean() welds them. It has the UV map that is rendered, the active
     colours, the numbers of material slots, and normals where sharp edges make them differ at one vertex. Object space.
-    Error without faces."""
+    Error without faces, and where a corner is not finite."""
     data.calc_loop_triangles()
     if not data.loop_triangles:
         raise occlod.Error(data.name, "", "has no faces", "choose a mesh with faces")
     vertices = _values(data.loops, "vertex_index", dtype=numpy.int32)
+    places = _values(data.vertices, "co", 3)[vertices]
+    if not (finite := numpy.isfinite(places).all(axis=1)).all():
+        raise occlod.Error(data.name, f"vertex {vertices[finite.argmin()]}", "is NaN or infinite", "remove it with its faces")
     uv, color = _uv_of(data), data.color_attributes.active_color
     colors = None
     if color is not None:
@@ -34,7 +37,7 @@ def from_data(data):
         colors = colors[vertices] if color.domain == "POINT" else colors
     slots = _values(data.loop_triangles, "material_index", dtype=numpy.int32)
     return occlod.Mesh(
-        _values(data.vertices, "co", 3)[vertices],
+        places,
         _values(data.loop_triangles, "loops", 3, numpy.int32),
         normals=_values(data.corner_normals, "vector", 3) if data.normals_domain == "CORNER" else None,
         colors=colors,

@@ -225,6 +225,10 @@ class Simplify(Extension):
         self.refuses("Error: simplify: ratio: is 0.0; give a number above 0 and at most 1", simplify, ratio=0)
         self.refuses("Error: simplify: triangles: is 0; give a whole number above 0", simplify, goal="triangles", triangles=0)
         self.refuses("Error: simplify: error: is 0.0; give a length above 0", simplify, goal="error", error=0)
+        broken = bpy.data.meshes.new("broken")
+        broken.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, numpy.nan, 0)], [], [(2, 0, 1), (2, 3, 0)])
+        make("broken", broken)
+        self.refuses("Error: broken: vertex 3: is NaN or infinite; remove it with its faces", simplify, ratio=0.5)
         make("empty", bpy.data.meshes.new("nothing"))
         self.refuses("Error: nothing: has no faces; choose a mesh with faces", simplify)
 
