@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """blender_extension.py WHEEL [--output FOLDER]: the extension of packaging/blender with a wheel of the Python package inside, as
-a zip that Blender installs from disk, in FOLDER (build/blender). The wheel is that of Blender's Python: cp311 up to Blender 5.0,
-afterwards cp312-abi3."""
+a zip that Blender installs from disk, in FOLDER (build/blender). The wheel is for Blender's own version of Python: cp311 for
+Blender 4.2 to 5.0."""
 import argparse
 import pathlib
 import sys

@@ -37,7 +37,7 @@ class _Reduces:
     def poll(cls, context):
         active = context.active_object
         if active is None or active.type != "MESH" or active.mode != "OBJECT" or not active.is_editable:
-            cls.poll_message_set("choose a mesh object, in Object Mode, that is not linked")
+            cls.poll_message_set("choose a mesh object that is not linked, in Object Mode")
             return False
         return True
 

@@ -239,7 +239,7 @@ class Simplify(Extension):
             for operator in ("simplify", "refine"):
                 call = getattr(bpy.ops.object, f"occlod_{operator}")
                 self.assertFalse(call.poll(), made)
-                why = f"Operator bpy.ops.object.occlod_{operator}.poll() choose a mesh object, in Object Mode, that is not linked"
+                why = f"Operator bpy.ops.object.occlod_{operator}.poll() choose a mesh object that is not linked, in Object Mode"
                 self.refuses(why, call)
 
 
