@@ -160,6 +160,10 @@ namespace {
 // Number of faces that are tested together before each is tested alone: larger groups are seldom hidden.
 constexpr std::size_t max_faces_at_once = 8;
 
+Box common(const Box& a, const Box& b) { return {glm::max(a.min, b.min), glm::min(a.max, b.max)}; }
+
+double pixels(float error, float scale_px) { return static_cast<double>(error) * static_cast<double>(scale_px); }
+
 }  // namespace
 
 CellRefinement::CellRefinement(std::span<const RefineObject> objects, const CellSurface* surface,
@@ -208,13 +212,73 @@ const CellCut& CellRefinement::build(const CellBox& cell) {
 }
 
 void CellRefinement::refine(std::uint32_t object, const CellView& view) {
-  const std::span<const SplitId> roots = cuts_[object].hierarchy().data().roots;
-  stack_.assign(roots.rbegin(), roots.rend());
-  while (!stack_.empty()) {
-    const SplitId s = stack_.back();
-    stack_.pop_back();
-    visit(object, view, s);
+  const Hierarchy& hierarchy = cuts_[object].hierarchy();
+  const std::span<const SplitId> roots = hierarchy.data().roots;
+  visits_.clear();
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root)
+    visits_.push_back({.split = *root, .box = hierarchy.node(*root).box()});
+  while (!visits_.empty()) {
+    const Visit next = visits_.back();
+    visits_.pop_back();
+    if (!next.is_last)
+      visit(object, view, next);
+    else if (!cuts_[object].applied(next.split))
+      try_split(object, view, next.split, next.sight == Sight::unknown);
   }
+}
+
+void CellRefinement::visit(std::uint32_t object, const CellView& view, const Visit& entry) {
+  const SplitId s = entry.split;
+  const Hierarchy& hierarchy = cuts_[object].hierarchy();
+  const SplitNode& node = hierarchy.node(s);
+  ++result_.stats.nodes;
+  if (is_fine(error_of(object, s), view.largest_scale_px(node.sphere))) {
+    ++result_.stats.fine_nodes;
+    return;
+  }
+  const SplitId next = next_below(object, view, s);
+  const Sight sight = hull_test_ ? sight_of(object, view, entry, next) : Sight::unknown;
+  if (sight == Sight::hidden) {
+    ++result_.stats.hidden_nodes;
+    return;
+  }
+  visits_.push_back({s, sight, true, entry.box});
+  for (const SplitId child : {node.child_v, node.child_u})
+    if (child != no_id)
+      visits_.push_back({child, sight == Sight::unknown || child == next ? sight : Sight::unseen, false,
+                         common(entry.box, hierarchy.node(child).box())});
+}
+
+// Asks about a node far below first: where that is not hidden, nothing above it is. Its box is clipped by those
+// between, because packed boxes may stick out of those above them.
+CellRefinement::Sight CellRefinement::sight_of(std::uint32_t object, const CellView& view, const Visit& entry,
+                                               SplitId next) {
+  const Hierarchy& hierarchy = cuts_[object].hierarchy();
+  const CellBox box = grown_box(view, entry.box, hierarchy.node(entry.split).guaranteed_error);
+  Sight sight = entry.sight;
+  if (sight == Sight::unknown) {
+    if (is_seen(box)) return Sight::unknown;
+    sight = Sight::unseen;
+  }
+  if (sight == Sight::unseen) {
+    Visit last = entry;
+    for (SplitId s = next; s != no_id; s = next_below(object, view, s))
+      last = {.split = s, .box = common(last.box, hierarchy.node(s).box())};
+    if (!is_blocked(grown_box(view, last.box, hierarchy.node(last.split).guaranteed_error))) return Sight::shown;
+    sight = Sight::doubtful;
+  }
+  if (sight == Sight::doubtful && (next == no_id || is_blocked(box))) return Sight::hidden;
+  return sight;
+}
+
+SplitId CellRefinement::next_below(std::uint32_t object, const CellView& view, SplitId s) const {
+  const Hierarchy& hierarchy = cuts_[object].hierarchy();
+  const SplitNode& node = hierarchy.node(s);
+  for (const SplitId child : {node.child_u, node.child_v})
+    if (child != no_id &&
+        pixels(error_of(object, child), view.largest_scale_px(hierarchy.node(child).sphere)) > options_.tolerance_px)
+      return child;
+  return no_id;
 }
 
 void CellRefinement::refine_to_budget() {
@@ -232,7 +296,7 @@ void CellRefinement::refine_to_budget() {
     const Candidate next = heap_.back();
     heap_.pop_back();
     stack_.clear();
-    visit(next.object, views_[next.object], next.split);
+    visit_by_error(next.object, views_[next.object], next.split);
     for (const SplitId child : stack_) push(next.object, child);
     if (!is_full_) continue;
     const float left = heap_.empty() ? next.px : std::max(next.px, heap_.front().px);
@@ -240,29 +304,29 @@ void CellRefinement::refine_to_budget() {
   }
 }
 
-void CellRefinement::visit(std::uint32_t object, const CellView& view, SplitId s) {
+void CellRefinement::visit_by_error(std::uint32_t object, const CellView& view, SplitId s) {
   const SplitNode& node = cuts_[object].hierarchy().node(s);
   ++result_.stats.nodes;
   if (is_fine(error_of(object, s), view.largest_scale_px(node.sphere))) {
     ++result_.stats.fine_nodes;
     return;
   }
-  if (is_hidden(view, node.box(), node.guaranteed_error)) {
+  if (hull_test_ && is_hidden(grown_box(view, node.box(), node.guaranteed_error))) {
     ++result_.stats.hidden_nodes;
     return;
   }
   for (const SplitId child : {node.child_u, node.child_v})
     if (child != no_id) stack_.push_back(child);
-  if (!cuts_[object].applied(s)) try_split(object, view, s);
+  if (!cuts_[object].applied(s)) try_split(object, view, s, true);
 }
 
-void CellRefinement::try_split(std::uint32_t object, const CellView& view, SplitId s) {
+void CellRefinement::try_split(std::uint32_t object, const CellView& view, SplitId s, bool may_be_seen) {
   Cut& cut = cuts_[object];
   const Hierarchy& hierarchy = cut.hierarchy();
   const Box box = box_of(star_of(hierarchy, s), hierarchy.positions());
   if (is_fine(error_of(object, s), view.largest_scale_px(box))) {
     ++result_.stats.fine_splits;
-  } else if (is_hidden(view, box, hierarchy.node(s).guaranteed_error)) {
+  } else if (is_hidden(view, box, hierarchy.node(s).guaranteed_error, may_be_seen)) {
     ++result_.stats.hidden_splits;
   } else {
     const Cut::Closure closure = cut.closure(s);
@@ -279,7 +343,7 @@ float CellRefinement::error_of(std::uint32_t object, SplitId s) const {
 }
 
 bool CellRefinement::is_fine(float error, float scale_px) {
-  const double px = static_cast<double>(error) * static_cast<double>(scale_px);
+  const double px = pixels(error, scale_px);
   if (!(px <= options_.tolerance_px)) return false;
   result_.error_px = std::max(result_.error_px, px);
   return true;
@@ -291,8 +355,10 @@ CellBox CellRefinement::grown_box(const CellView& view, const Box& box, float er
   return view.world_box(box, growth);
 }
 
-bool CellRefinement::is_hidden(const CellView& view, const Box& box, float error) {
-  return hull_test_ && is_hidden(grown_box(view, box, error));
+bool CellRefinement::is_hidden(const CellView& view, const Box& box, float error, bool may_be_seen) {
+  if (!hull_test_) return false;
+  const CellBox what = grown_box(view, box, error);
+  return may_be_seen ? is_hidden(what) : is_blocked(what);
 }
 
 bool CellRefinement::is_seen(const CellBox& what) {
@@ -301,8 +367,9 @@ bool CellRefinement::is_seen(const CellBox& what) {
   return seen;
 }
 
-bool CellRefinement::is_hidden(const CellBox& what) {
-  if (is_seen(what)) return false;
+bool CellRefinement::is_hidden(const CellBox& what) { return !is_seen(what) && is_blocked(what); }
+
+bool CellRefinement::is_blocked(const CellBox& what) {
   ++result_.stats.queries;
   const bool hidden = hull_test_->hides(what);
   result_.stats.queries_hidden += hidden ? 1 : 0;
@@ -318,7 +385,8 @@ void CellRefinement::find_drawn(std::uint32_t object, const CellView& view) {
   faces_.clear();
   std::uint32_t place = 0;
   cut.for_each_active([&](const FaceRef& ref, const Triangle& t) { add_face(object, view, ref, t, place++); });
-  if (!faces_.empty()) drop_hidden(faces_);
+  sort_by_place(faces_);
+  if (!faces_.empty()) drop_hidden(faces_, is_blocked(faces_[0].box));
   result.triangles.clear();
   for (std::size_t i = 0; i < active_.size(); ++i)
     if (drawn_[i]) result.triangles.push_back(active_[i]);
@@ -338,21 +406,33 @@ void CellRefinement::add_face(std::uint32_t object, const CellView& view, const 
 }
 
 // Halves the faces by their place in space, like TriangleBvh.
-void CellRefinement::drop_hidden(std::span<Face> faces) {
-  CellBox box = faces[0].box;
-  for (const Face& face : faces) box = unite(box, face.box);
-  if (faces.size() <= max_faces_at_once && is_hidden(box)) {
-    for (const Face& face : faces) drawn_[face.place] = false;
-    return;
-  }
-  if (faces.size() == 1) return;
-  const int axis = longest_axis(box);
+void CellRefinement::sort_by_place(std::span<Face> faces) {
+  if (faces.size() < 2) return;
+  const int axis = longest_axis(box_around(faces));
   const auto key = [&](const Face& face) { return std::pair(face.box.min[axis] + face.box.max[axis], face.place); };
   const std::size_t half = faces.size() / 2;
   std::nth_element(faces.begin(), faces.begin() + static_cast<std::ptrdiff_t>(half), faces.end(),
                    [&](const Face& x, const Face& y) { return key(x) < key(y); });
-  drop_hidden(faces.first(half));
-  drop_hidden(faces.subspan(half));
+  sort_by_place(faces.first(half));
+  sort_by_place(faces.subspan(half));
+}
+
+// Asks about several faces together only where the first of them is hidden.
+void CellRefinement::drop_hidden(std::span<const Face> faces, bool is_first_hidden) {
+  if (is_first_hidden && faces.size() <= max_faces_at_once && (faces.size() == 1 || is_hidden(box_around(faces)))) {
+    for (const Face& face : faces) drawn_[face.place] = false;
+    return;
+  }
+  if (faces.size() == 1) return;
+  const std::size_t half = faces.size() / 2;
+  drop_hidden(faces.first(half), is_first_hidden);
+  drop_hidden(faces.subspan(half), is_blocked(faces[half].box));
+}
+
+CellBox CellRefinement::box_around(std::span<const Face> faces) {
+  CellBox box = faces[0].box;
+  for (const Face& face : faces) box = unite(box, face.box);
+  return box;
 }
 
 }  // namespace occlod

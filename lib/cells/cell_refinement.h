@@ -104,6 +104,11 @@ class CellImages {
 // displaced by no more than the tolerance since then, as far as Hierarchy::attribute_error() tells. Boxes are grown by
 // the guaranteed error only, because displaced texels move no surface.
 //
+// *Asking less.* Of two boxes, one in the other, the larger is not hidden if the smaller is not. So what is far below
+// is asked about before what is above it, a single face before several, and splits after those that may force them.
+// What the middle of the cell does not see, it does not see a part of. A box that is not asked about counts as not
+// hidden, so none of this can hide more.
+//
 // Which faces turn away decides only what is drawn, never what is refined: the input may face an eye where a coarse
 // version of it does not.
 class CellRefinement {
@@ -131,20 +136,45 @@ class CellRefinement {
     std::uint32_t place = 0;  // index in active_
   };
 
+  // What is known about a node before it is asked about, or after.
+  enum class Sight : std::uint8_t {
+    unknown,   // the middle of the cell may see it
+    unseen,    // the middle does not see it, as it does not see a node above
+    doubtful,  // unseen, and the last node of its chain is hidden; see next_below()
+    shown,     // unseen, and not hidden, as that node is not
+    hidden
+  };
+  struct Visit {
+    SplitId split = 0;
+    Sight sight = Sight::unknown;
+    bool is_last = false;  // whether all nodes below have been visited
+    Box box;               // around the subtree: what the boxes of the node and of those above have in common
+  };
+
+  // Visits splits after those below them, which often force them.
   void refine(std::uint32_t object, const CellView& view);
+  void visit(std::uint32_t object, const CellView& view, const Visit& entry);
+  [[nodiscard]] Sight sight_of(std::uint32_t object, const CellView& view, const Visit& entry, SplitId next);
+  // Returns the first child that is not within the tolerance, or none. Such a child, its own such child and so on are
+  // the chain of a node.
+  [[nodiscard]] SplitId next_below(std::uint32_t object, const CellView& view, SplitId s) const;
   void refine_to_budget();
-  void visit(std::uint32_t object, const CellView& view, SplitId s);
-  void try_split(std::uint32_t object, const CellView& view, SplitId s);
+  void visit_by_error(std::uint32_t object, const CellView& view, SplitId s);
+  void try_split(std::uint32_t object, const CellView& view, SplitId s, bool may_be_seen);
   void find_drawn(std::uint32_t object, const CellView& view);
   // Adds a face: it is drawn unless it faces away from the cell; unless the centre of the cell sees it, drop_hidden()
   // decides.
   void add_face(std::uint32_t object, const CellView& view, const FaceRef& ref, const Triangle& t, std::uint32_t place);
-  void drop_hidden(std::span<Face> faces);
+  static void sort_by_place(std::span<Face> faces);
+  void drop_hidden(std::span<const Face> faces, bool is_first_hidden);
+  [[nodiscard]] static CellBox box_around(std::span<const Face> faces);
   [[nodiscard]] CellBox grown_box(const CellView& view, const Box& box, float error) const;
   // Returns whether the box is visible from the centre of the cell, in front of everything that hides.
   [[nodiscard]] bool is_seen(const CellBox& what);
   [[nodiscard]] bool is_hidden(const CellBox& what);
-  [[nodiscard]] bool is_hidden(const CellView& view, const Box& box, float error);
+  // Returns the same of a box that the middle of the cell does not see.
+  [[nodiscard]] bool is_blocked(const CellBox& what);
+  [[nodiscard]] bool is_hidden(const CellView& view, const Box& box, float error, bool may_be_seen);
   // Returns the error that must be within the tolerance: the guaranteed error, or the attribute error where that is
   // larger.
   [[nodiscard]] float error_of(std::uint32_t object, SplitId s) const;
@@ -160,7 +190,8 @@ class CellRefinement {
   bool is_full_ = false;         // whether a split did not fit into the budget
   std::optional<HullTest> hull_test_;
   std::optional<CellImages> images_;
-  std::vector<SplitId> stack_;    // nodes to visit, of one object
+  std::vector<Visit> visits_;     // nodes to visit, of one object
+  std::vector<SplitId> stack_;    // children of a node, with a budget
   std::vector<Candidate> heap_;   // nodes to visit, of all objects, with a budget
   std::vector<Triangle> active_;  // by wedges
   std::vector<bool> drawn_;       // per entry of active_

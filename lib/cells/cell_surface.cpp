@@ -27,18 +27,6 @@ float rounded_down(double x) {
 
 }  // namespace
 
-bool TriangleBvh::meets(const Node& node, const glm::dvec3& from, const glm::dvec3& inverse) {
-  double first = 0.0, last = 1.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto i = static_cast<std::size_t>(axis);
-    const double a = (static_cast<double>(node.min[i]) - from[axis]) * inverse[axis];
-    const double b = (static_cast<double>(node.max[i]) - from[axis]) * inverse[axis];
-    first = std::max(first, std::min(a, b));
-    last = std::min(last, std::max(a, b));
-  }
-  return first <= last + 1e-12;
-}
-
 // Implements the test of Moeller and Trumbore 1997.
 bool TriangleBvh::meets(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& from,
                         const glm::dvec3& along) {

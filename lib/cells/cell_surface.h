@@ -1,6 +1,7 @@
 // Builds a tree of boxes over triangles, to find those that a segment meets or a region contains.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -132,6 +133,18 @@ void TriangleBvh::for_each_group(const glm::dvec3& eye, std::uint32_t most, cons
     const auto axis = static_cast<int>(node.axis);
     push_children(entry, 2.0 * eye[axis] <= group.box.min[axis] + group.box.max[axis], stack, size);
   }
+}
+
+inline bool TriangleBvh::meets(const Node& node, const glm::dvec3& from, const glm::dvec3& inverse) {
+  double first = 0.0, last = 1.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    const double a = (static_cast<double>(node.min[i]) - from[axis]) * inverse[axis];
+    const double b = (static_cast<double>(node.max[i]) - from[axis]) * inverse[axis];
+    first = std::max(first, std::min(a, b));
+    last = std::min(last, std::max(a, b));
+  }
+  return first <= last + 1e-12;
 }
 
 inline void TriangleBvh::push_children(const Entry& entry, bool left_first, Stack& stack, std::size_t& size) const {

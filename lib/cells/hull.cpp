@@ -60,18 +60,29 @@ void Hull::add_planes(const CellBox& eyes, const CellBox& what, int u, int v) {
 
 bool Hull::may_meet(const glm::dvec3& a, const glm::dvec3& b, double margin) const {
   Part left;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double high = around_.max[axis] + margin, low = around_.min[axis] - margin;
-    if (!left.cut(a[axis] - high, b[axis] - high) || !left.cut(low - a[axis], low - b[axis])) return false;
-  }
-  for (std::size_t i = 0; i < plane_count_; ++i) {
-    const Plane& plane = planes_[i];
-    const double reach = plane.reach + plane.growth * margin;
-    if (!left.cut(plane.by_u * a[plane.u] + plane.by_v * a[plane.v] - reach,
-                  plane.by_u * b[plane.u] + plane.by_v * b[plane.v] - reach))
-      return false;
-  }
-  return true;
+  bool has_a = true, has_b = true;
+  // Clips only where both ends are outside, which is seldom so: divisions are slow.
+  const auto is_beyond = [&](double at_a, double at_b) {
+    has_a = has_a && at_a <= 0.0;
+    has_b = has_b && at_b <= 0.0;
+    return at_a > 0.0 && at_b > 0.0;
+  };
+  const auto any_plane = [&](const auto& test) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double high = around_.max[axis] + margin, low = around_.min[axis] - margin;
+      if (test(a[axis] - high, b[axis] - high) || test(low - a[axis], low - b[axis])) return true;
+    }
+    for (std::size_t i = 0; i < plane_count_; ++i) {
+      const Plane& plane = planes_[i];
+      const double reach = plane.reach + plane.growth * margin;
+      if (test(plane.by_u * a[plane.u] + plane.by_v * a[plane.v] - reach,
+               plane.by_u * b[plane.u] + plane.by_v * b[plane.v] - reach))
+        return true;
+    }
+    return false;
+  };
+  if (any_plane(is_beyond)) return false;
+  return has_a || has_b || !any_plane([&](double at_a, double at_b) { return !left.cut(at_a, at_b); });
 }
 
 bool triangle_meets(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const CellBox& box) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <limits>
 #include <optional>
 
@@ -132,7 +133,7 @@ void InnerBoxTest::remember(std::uint32_t box) {
 namespace {
 
 // Where a segment meets more triangles, those near the cell hide most.
-constexpr std::size_t max_seeds = 16;
+constexpr std::size_t max_seeds = 64;
 // Segments that must all be blocked before floods begin: that of the middles and those of the corners. The other inner
 // ones are seldom free where these are not.
 constexpr std::size_t tested_segments = 1 + outer_segments;
@@ -169,6 +170,7 @@ bool HullTest::hides(const CellBox& what) {
   if (boxes_ && is_boxed(what)) return ++counts_.boxed, true;
   if (is_free(what)) return ++counts_.free, false;
   begin_floods();
+  find_crossings(what);
   const Hull hull(cell_, what);
   const auto others =
       std::stable_partition(seeds_.begin(), seeds_.end(), [&](std::uint32_t t) { return has_hidden(t); });
@@ -241,16 +243,47 @@ bool HullTest::flood_any(const Hull& hull, const CellBox& what, std::span<const 
   return std::any_of(seeds.begin(), seeds.end(), [&](std::uint32_t seed) { return flood(hull, what, seed); });
 }
 
+void HullTest::find_crossings(const CellBox& what) {
+  crossings_.clear();
+  if (parts_ == nullptr || seeds_.size() == max_seeds) return;
+  const CellSegment segment = tested_segment(cell_, what, first_segment_);
+  for (const std::uint32_t t : seeds_) {
+    const auto crossed = crosses(segment, surface_.corner(t, 0), surface_.corner(t, 1), surface_.corner(t, 2));
+    if (!crossed) return crossings_.clear();
+    if (*crossed) crossings_.push_back(t);
+  }
+}
+
+void HullTest::aim(const CellBox& what, std::uint32_t first) {
+  left_.clear();
+  is_even_ = false;
+  goal_ = 0.5 * (what.min + what.max);
+  if (crossings_.empty()) return;
+  const std::uint32_t part = parts_->part_of(first);
+  std::copy_if(crossings_.begin(), crossings_.end(), std::back_inserter(left_),
+               [&](std::uint32_t t) { return parts_->part_of(t) == part; });
+  is_even_ = !left_.empty() && left_.size() % 2 == 0;
+}
+
+std::uint32_t HullTest::next_to_visit() {
+  std::pop_heap(waiting_.begin(), waiting_.end());
+  const std::uint32_t t = waiting_.back().triangle;
+  waiting_.pop_back();
+  return t;
+}
+
 // Floods from a triangle; returns false where the flood meets a triangle that must not be used.
 bool HullTest::flood(const Hull& hull, const CellBox& what, std::uint32_t first) {
   reached_.clear();
+  waiting_.clear();
   ++flood_;
+  aim(what, first);
   if (!reach(first)) return false;
   ++counts_.floods;
-  std::size_t visited = 0;  // more are reached meanwhile
-  while (visited < reached_.size()) {
+  while (!waiting_.empty()) {
     ++counts_.triangles;
-    if (!visit(hull, what, reached_[visited++])) return false;
+    if (!visit(hull, what, next_to_visit())) return false;
+    if (is_even_ && left_.empty()) return false;
   }
   if (!is_crossed(what)) return false;
   for (const std::uint32_t t : reached_) hid_[memory_place(t)] = t;
@@ -291,6 +324,13 @@ bool HullTest::reach(std::uint32_t t) {
   ++reached_count_;
   reached_by_[t] = flood_;
   reached_.push_back(t);
+  if (is_even_) {
+    std::erase(left_, t);
+    if (!left_.empty()) goal_ = surface_.corner(left_.front(), 0);
+  }
+  const glm::dvec3 way = surface_.corner(t, 0) - goal_;
+  waiting_.push_back({glm::dot(way, way), t});
+  std::push_heap(waiting_.begin(), waiting_.end());
   return true;
 }
 

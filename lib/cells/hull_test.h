@@ -65,8 +65,10 @@ class InnerBoxTest {
 //
 // S is found by a flood from a triangle over all edges that meet the hull. Every segment crosses the surface that hides
 // the box, so floods begin at the triangles on one of them; first at those that hid another box from the same cell.
-// Where the test cannot decide, the box counts as not hidden. Reuses its memory, four bytes per triangle; each thread
-// needs its own.
+// Most floods fail, and the sooner the better: they go first towards where they may. A flood that has reached all
+// triangles of its part (see InnerBoxes) that the segment crosses fails if these are an even number, as those of
+// something closed are. Where the test cannot decide, the box counts as not hidden. Reuses its memory, four bytes per
+// triangle; each thread needs its own.
 class HullTest {
  public:
   // Counts over all calls.
@@ -78,7 +80,7 @@ class HullTest {
     std::size_t floods = 0;
     std::size_t triangles = 0;  // reached by floods
   };
-  static constexpr std::size_t max_triangles = 4096;  // over all floods of a query
+  static constexpr std::size_t max_triangles = 16'384;  // over all floods of a query
 
   // Both arguments must outlive this object. Without boxes only floods are used.
   explicit HullTest(const CellSurface& surface, const InnerBoxes* boxes = nullptr);
@@ -101,12 +103,28 @@ class HullTest {
   [[nodiscard]] bool must_avoid(std::uint32_t t, const CellBox& what) const;
   [[nodiscard]] bool flood_any(const Hull& hull, const CellBox& what, std::span<const std::uint32_t> seeds);
   [[nodiscard]] bool flood(const Hull& hull, const CellBox& what, std::uint32_t first);
+  // Finds which of the seeds the first segment crosses; none where rounding decides, or where there may be more.
+  void find_crossings(const CellBox& what);
+  // Finds what a flood from this triangle has to reach to fail.
+  void aim(const CellBox& what, std::uint32_t first);
+  // Takes the nearest to the goal from those that wait.
+  [[nodiscard]] std::uint32_t next_to_visit();
   [[nodiscard]] bool visit(const Hull& hull, const CellBox& what, std::uint32_t t);
   [[nodiscard]] bool is_crossed_already(std::uint32_t edge) const;
   [[nodiscard]] bool reach(std::uint32_t t);
   [[nodiscard]] bool is_crossed(const CellBox& what) const;
   [[nodiscard]] std::optional<bool> is_crossed(const CellSegment& segment) const;
   [[nodiscard]] double growth(std::uint32_t t) const { return surface_.moved(t) + rounding_; }
+
+  struct Waiting {
+    double distance = 0.0;  // squared, to the goal
+    std::uint32_t triangle = 0;
+
+    // Orders the heap: the farthest is visited last.
+    friend bool operator<(const Waiting& a, const Waiting& b) {
+      return a.distance > b.distance || (a.distance == b.distance && a.triangle > b.triangle);
+    }
+  };
 
   // Caches triangles that have hidden something from the cell; each entry keeps the latest of those that share it.
   static constexpr std::size_t memory_size = 1U << 13U;
@@ -127,7 +145,12 @@ class HullTest {
   std::size_t first_segment_ = 0;     // first segment to try: the one that was free last
   // The last triangle that blocked each of the segments that are tested.
   std::array<std::uint32_t, 1 + outer_segments> blockers_{};
-  std::vector<std::uint32_t> reached_;     // triangles reached by this flood, visited ones first
+  std::vector<std::uint32_t> reached_;     // triangles reached by this flood
+  std::vector<Waiting> waiting_;           // heap of those of them that are not visited yet
+  std::vector<std::uint32_t> crossings_;   // triangles that the segment with the seeds crosses; empty where unknown
+  std::vector<std::uint32_t> left_;        // of these, those of the flood's part that it has not reached
+  bool is_even_ = false;                   // whether the segment crosses the flood's part an even number of times
+  glm::dvec3 goal_{0.0};                   // towards which the flood goes first
   ZeroedArray<std::uint32_t> reached_by_;  // per triangle: the last flood that reached it
   std::uint32_t flood_ = 0;                // number of the current flood
   std::uint32_t first_flood_ = 0;          // number of the first flood of this query

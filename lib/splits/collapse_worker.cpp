@@ -148,7 +148,7 @@ void CollapseWorker::start(const Block& block) {
   ended_.clear();
   corners_.clear();
   wedge_merges_.clear();
-  faces_gone_ = 0;
+  faces_gone_ = last_gone_ = 0;
   queue_.reset(block.vertices.size());
   constexpr std::uint32_t ahead = 16;
   for (std::uint32_t i = 0; i < block.vertices.size(); ++i) {
@@ -324,7 +324,8 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
   const auto id = static_cast<CollapseId>(CollapseRecords::first_id(block_->record) + merges_.size());
   const std::size_t first_ended = ended_.size(), first_corners = corners_.size();
   const float deviation2 = state_.attributes != nullptr ? attributes_.settle(u) : 0.0F;
-  faces_gone_ += state_.mesh.collapse(v, u, id, !choice.keeps_topology, arena_, ended_);
+  last_gone_ = state_.mesh.collapse(v, u, id, !choice.keeps_topology, arena_, ended_);
+  faces_gone_ += last_gone_;
   merges_.push_back({v, u});
   float attribute_error = 0.0F;
   if (state_.attributes != nullptr) {
@@ -386,6 +387,7 @@ void CollapseWorker::finish() {
     if (batch.fans.size() > 0) compute_movements(batch);
   BlockRecord& record = records_[block_->record];
   record.faces_gone = faces_gone_;
+  record.last_gone = last_gone_;
   if (!state_.keeps_collapses) {
     record.merges = merges_;
     return;

@@ -99,6 +99,7 @@ struct BlockRecord {
   std::vector<EndedCorners> corners;
   std::vector<AttributeStar::WedgeMerge> wedge_merges;  // of all collapses, in order, if requested
   std::size_t faces_gone = 0;
+  std::size_t last_gone = 0;  // by the last collapse
 };
 
 // The ids of a block's collapses ascend from a multiple of block_size; only the last block may have more than
@@ -228,7 +229,7 @@ class CollapseWorker {
   std::vector<bool> taken_;
   std::vector<float> ring_costs_;
   std::vector<StarFace> folded_;
-  std::size_t faces_gone_ = 0;
+  std::size_t faces_gone_ = 0, last_gone_ = 0;
   std::array<Batch, Fan::max_neighbours + 1> batches_;  // by number of corners
   CollapseRecords& records_;
   CollapseMemory memory_;

@@ -52,6 +52,20 @@ struct VertexQuadric {
     return weight > 0.0F ? std::max(sum_at(x), 0.0F) / weight : 0.0F;
   }
 
+  // Returns the minimum of the sum, relative to the vertex: held near the vertex where the planes leave it open, 0
+  // without planes.
+  [[nodiscard]] glm::vec3 minimum() const {
+    constexpr double hold = 1e-3;  // of the mean of the three weights
+    const double extra = hold * (double{xx} + double{yy} + double{zz}) / 3.0;
+    const double a11 = xx + extra, a22 = yy + extra, a33 = zz + extra, a12 = xy, a13 = xz, a23 = yz;
+    const glm::dvec3 row_x(a22 * a33 - a23 * a23, a13 * a23 - a12 * a33, a12 * a23 - a13 * a22);
+    const double determinant = a11 * row_x.x + a12 * row_x.y + a13 * row_x.z;
+    if (!(determinant > 0.0)) return glm::vec3(0.0F);
+    const glm::dvec3 row_y(row_x.y, a11 * a33 - a13 * a13, a12 * a13 - a11 * a23);
+    const glm::dvec3 row_z(row_x.z, row_y.z, a11 * a22 - a12 * a12), right(-b);
+    return glm::vec3(glm::dvec3(glm::dot(row_x, right), glm::dot(row_y, right), glm::dot(row_z, right)) / determinant);
+  }
+
   // Adds the quadric of another vertex, which lies at this one's position - offset.
   void add(const VertexQuadric& o, const glm::vec3& offset) {
     xx += o.xx, xy += o.xy, xz += o.xz, yy += o.yy, yz += o.yz, zz += o.zz;

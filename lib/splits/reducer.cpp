@@ -40,6 +40,14 @@ TriangleMesh checked_in_spatial_order(const TriangleMesh& mesh, const SimplifyOp
   return in_spatial_order(mesh, thread_count(options.threads));
 }
 
+// The last tetrahedron of a closed surface collapses to nothing.
+[[noreturn]] void refuse(std::size_t triangles, std::size_t most, std::size_t least_possible) {
+  throw Error(
+      {"mesh", "",
+       "has nothing left with at most " + std::to_string(most) + " of its " + std::to_string(triangles) + " triangles",
+       "allow more: the fewest are " + std::to_string(least_possible)});
+}
+
 }  // namespace
 
 Reducer::Reducer(const TriangleMesh& mesh, const SimplifyOptions& options)
@@ -50,8 +58,12 @@ Reducer::Reducer(const TriangleMesh& mesh, const SimplifyOptions& options)
 
 std::vector<glm::vec3> Reducer::refitted(const ReducedFaces& reduced, std::span<const Triangle> wedges,
                                          std::span<const std::uint8_t> locked) const {
-  const Reduction reduction{std::span(mesh_.positions).first(mesh_.vertex_count()), mesh_.triangles, reduced.target,
-                            reduced.faces};
+  const Reduction reduction{std::span(mesh_.positions).first(mesh_.vertex_count()),
+                            mesh_.triangles,
+                            reduced.target,
+                            reduced.faces,
+                            reduced.minima,
+                            reduced.scale};
   const bool along_normals = !mesh_.texture_coordinates.empty();  // which leaves seams where the texture has them
   std::vector<std::uint8_t> held(mesh_.vertex_count(), 0);
   if (!along_normals) held = on_seams(reduced.faces, wedges, mesh_.vertex_count());
@@ -68,6 +80,7 @@ TriangleMesh Reducer::reduced(std::size_t max_triangles, std::span<const std::ui
   build.threads = options_.threads;
   build.progress = progress;
   const ReducedFaces reduced = reduce(mesh_, build, locked);
+  if (reduced.faces.empty() && locked.empty()) refuse(mesh_.triangle_count(), max_triangles, reduced.least_possible);
   const std::vector<Triangle>& wedges = reduced.corners.empty() ? reduced.faces : reduced.corners;
   std::vector<glm::vec3> moved;
   if (options_.refit) moved = refitted(reduced, wedges, locked);
@@ -94,11 +107,6 @@ TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles, const
     check(mesh, options);
     result = mesh;
   }
-  if (result.triangles.empty())  // the last tetrahedron of a closed surface collapses to nothing
-    throw Error({"mesh", "",
-                 "has nothing left with at most " + std::to_string(max_triangles) + " of its " +
-                     std::to_string(mesh.triangle_count()) + " triangles",
-                 "allow more: closed surfaces have at least 4"});
   if (options.progress) (void)options.progress(1.0);
   return result;
 }

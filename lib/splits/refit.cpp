@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/threads.h"
-#include "splits/nearest_point.h"
+#include "splits/refit_points.h"
 
 namespace occlod {
 namespace {
@@ -27,6 +27,7 @@ class ReducedMesh {
   [[nodiscard]] std::span<const std::uint32_t> faces_at(std::uint32_t i) const {
     return std::span(faces_at_).subspan(first_[i], first_[i + 1] - first_[i]);
   }
+  [[nodiscard]] std::uint32_t first_face_at(std::uint32_t i) const { return first_[i]; }
 
  private:
   std::vector<std::uint32_t> number_;
@@ -85,53 +86,6 @@ std::vector<std::uint8_t> on_borders(const ReducedMesh& mesh) {
   return result;
 }
 
-// The symmetric matrix and the right side of a vertex's quadric, relative to the vertex.
-struct Quadric {
-  double xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0;
-  glm::dvec3 right{0.0};
-
-  // Adds the plane of a face: `normal` is its unit normal times the root of its weight, at `offset` along it.
-  void add(const glm::dvec3& normal, double offset) {
-    xx += normal.x * normal.x;
-    xy += normal.x * normal.y;
-    xz += normal.x * normal.z;
-    yy += normal.y * normal.y;
-    yz += normal.y * normal.z;
-    zz += normal.z * normal.z;
-    right += offset * normal;
-  }
-
-  // Returns the minimum, held near the vertex where the planes leave it open. 0 without planes.
-  [[nodiscard]] glm::dvec3 minimum() const {
-    constexpr double hold = 1e-3;  // of the mean of the three weights
-    const double extra = hold * (xx + yy + zz) / 3.0;
-    const double a = xx + extra, b = yy + extra, c = zz + extra;
-    const glm::dvec3 row_x(b * c - yz * yz, xz * yz - xy * c, xy * yz - xz * b);
-    const double determinant = a * row_x.x + xy * row_x.y + xz * row_x.z;
-    if (!(determinant > 0.0)) return glm::dvec3(0.0);
-    const glm::dvec3 row_y(row_x.y, a * c - xz * xz, xy * xz - a * yz), row_z(row_x.z, row_y.z, a * b - xy * xy);
-    return glm::dvec3(glm::dot(row_x, right), glm::dot(row_y, right), glm::dot(row_z, right)) / determinant;
-  }
-};
-
-// The plane of a face: where a point lies over the face, in barycentric coordinates, and how far from it.
-struct FacePlane {
-  glm::dvec3 origin, normal{0.0}, along_y{0.0}, along_z{0.0};
-
-  FacePlane(const Positions& at, const Triangle& face) : origin(at[face.x]) {
-    const glm::dvec3 ab = at[face.y] - origin, ac = at[face.z] - origin, twice_area = glm::cross(ab, ac);
-    const double length2 = glm::dot(twice_area, twice_area);
-    if (!(length2 > 0.0)) return;
-    along_y = glm::cross(ac, twice_area) / length2;
-    along_z = glm::cross(twice_area, ab) / length2;
-    normal = twice_area / std::sqrt(length2);
-  }
-};
-
-std::uint32_t heaviest_corner(const Triangle& face, const glm::dvec3& w) {
-  return w.x >= w.y && w.x >= w.z ? face.x : w.y >= w.z ? face.y : face.z;
-}
-
 class Refit {
  public:
   Refit(const Reduction& reduction, std::span<const std::uint8_t> held, bool along_normals, unsigned threads)
@@ -142,53 +96,40 @@ class Refit {
         held_(on_borders(mesh_)) {
     for (std::uint32_t i = 0; i < mesh_.size(); ++i) {
       if (!held.empty() && held[mesh_.vertex(i)] != 0) held_[i] = 1;
-      at_.emplace_back(reduction.positions[mesh_.vertex(i)]);
+      at_.emplace_back(scaled(mesh_.vertex(i)));
     }
     start_ = at_;
-    normals_.resize(reduction.faces.size());
-    for_each_range(normals_.size(), threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t f = begin; f < end; ++f) normals_[f] = input_normal(reduction.faces[f]);
-    });
   }
 
   std::vector<glm::vec3> run() {
-    move_to(quadric_minima());
+    Positions minima = at_;
+    for (std::uint32_t i = 0; i < mesh_.size(); ++i) minima[i] += reduction_.minima[mesh_.vertex(i)];
+    move_to(std::move(minima));
     move_to(least_squares());
     std::vector<glm::vec3> result(reduction_.positions.begin(), reduction_.positions.end());
     for (std::uint32_t i = 0; i < mesh_.size(); ++i)
-      if (held_[i] == 0) result[mesh_.vertex(i)] = glm::vec3(at_[i]);
+      if (held_[i] == 0) result[mesh_.vertex(i)] = glm::vec3(at_[i] / static_cast<double>(reduction_.scale));
     return result;
   }
 
  private:
-  // Each is as sparse as its face: the sums of squared and mixed weights, and of weighted points.
-  struct FaceSums {
-    std::array<double, 6> squares{};  // xx, xy, xz, yy, yz, zz
-    std::array<glm::dvec3, 3> points{};
+  // The sum over the faces at an input vertex of their normals, twice as long as their areas, and of these lengths.
+  struct VertexNormal {
+    glm::vec3 sum{0.0F};
+    float length = 0.0F;
+  };
+  // Lists for each vertex of the reduced mesh the points of the input that went into it: below the number of the
+  // input's faces, middles of faces; from there, vertices.
+  struct PointLists {
+    std::vector<std::uint32_t> first, points;
   };
 
-  [[nodiscard]] Positions quadric_minima() const;
-  [[nodiscard]] Positions least_squares() const;
+  [[nodiscard]] glm::vec3 scaled(VertexId v) const { return reduction_.positions[v] * reduction_.scale; }
+  [[nodiscard]] PointLists point_lists() const;
+  [[nodiscard]] std::vector<VertexNormal> vertex_normals() const;
+  [[nodiscard]] FacePlane plane_at(std::uint32_t i, const Triangle& face) const;
   [[nodiscard]] std::vector<FaceSums> face_sums() const;
-  struct Place {
-    std::uint32_t face = no_id;
-    glm::dvec3 weights{0.0};
-  };
-  [[nodiscard]] Place place_over(const glm::dvec3& p, const glm::dvec3& normal, std::uint32_t from,
-                                 std::span<const FacePlane> planes) const;
-  [[nodiscard]] Place nearest_place(const glm::dvec3& p, std::uint32_t from) const;
-  struct Sample {
-    std::uint32_t face = no_id;
-    double weight = 0.0;  // the share of the input's area
-    glm::vec3 weights{0.0F}, off{0.0F};
-  };
-  [[nodiscard]] Sample sample_at(const glm::dvec3& p, const glm::dvec3& normal, double weight, std::uint32_t from,
-                                 std::span<const FacePlane> planes) const;
-  static void add(const Sample& sample, std::vector<FaceSums>& sums);
-  [[nodiscard]] glm::dvec3 input_normal(const Triangle& face) const {
-    const glm::dvec3 a(reduction_.positions[face.x]);
-    return glm::cross(glm::dvec3(reduction_.positions[face.y]) - a, glm::dvec3(reduction_.positions[face.z]) - a);
-  }
+  [[nodiscard]] Positions least_squares() const;
   void move_to(Positions wanted);
   void keep_along_normals(Positions& wanted) const;
   void limit_steps(Positions& wanted) const;
@@ -199,132 +140,98 @@ class Refit {
   bool along_normals_;
   unsigned threads_;
   std::vector<std::uint8_t> held_;
-  Positions normals_;  // of the input's faces, twice as long as their areas
-  Positions start_;    // before all moves
+  Positions start_;  // before all moves; this and all other lengths are scaled
   Positions at_;
 };
 
-Positions Refit::quadric_minima() const {
-  std::vector<Quadric> quadrics(mesh_.size());
-  for (std::size_t f = 0; f < normals_.size(); ++f) {
-    const double length = glm::length(normals_[f]);
-    if (!(length > 0.0)) continue;
-    const Triangle& face = reduction_.faces[f];
-    const glm::dvec3 a(reduction_.positions[face.x]), weighted = normals_[f] / std::sqrt(2.0 * length);
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t i = mesh_.number(reduction_.target[face[k]]);
-      if (i != no_id) quadrics[i].add(weighted, glm::dot(weighted, a - at_[i]));
-    }
+Refit::PointLists Refit::point_lists() const {
+  const std::size_t face_count = reduction_.faces.size(), vertex_count = reduction_.positions.size();
+  std::vector<std::uint32_t> into(vertex_count);
+  for_each_id(vertex_count, threads_, [&](VertexId v) { into[v] = mesh_.number(reduction_.target[v]); });
+  std::vector<std::uint32_t> into_of_face(face_count);
+  PointLists result;
+  result.first.assign(mesh_.size() + 2, 0);
+  for (std::size_t f = 0; f < face_count; ++f) {
+    const Triangle& t = reduction_.faces[f];
+    into_of_face[f] = into[t.x] != no_id ? into[t.x] : into[t.y] != no_id ? into[t.y] : into[t.z];
+    if (into_of_face[f] != no_id) ++result.first[into_of_face[f] + 2];
   }
-  Positions result = at_;
-  for (std::uint32_t i = 0; i < mesh_.size(); ++i) result[i] += quadrics[i].minimum();
+  for (const std::uint32_t i : into)
+    if (i != no_id) ++result.first[i + 2];
+  for (std::size_t i = 2; i < result.first.size(); ++i) result.first[i] += result.first[i - 1];
+  result.points.resize(result.first.back());
+  const auto add = [&](std::uint32_t i, std::size_t point) {
+    if (i != no_id) result.points[result.first[i + 1]++] = static_cast<std::uint32_t>(point);
+  };
+  for (std::size_t f = 0; f < face_count; ++f) add(into_of_face[f], f);
+  for (std::size_t v = 0; v < vertex_count; ++v) add(into[v], face_count + v);
   return result;
 }
 
-// Returns the place in the nearest of those faces at a vertex over which a point of a surface with this normal lies, if
-// there is such a face.
-Refit::Place Refit::place_over(const glm::dvec3& p, const glm::dvec3& normal, std::uint32_t from,
-                               std::span<const FacePlane> planes) const {
-  Place best;
-  double distance = std::numeric_limits<double>::infinity();
-  constexpr double least_cosine = 0.7;  // so that points beside a crease go to their own side of it
-  for (const std::uint32_t f : mesh_.faces_at(from)) {
-    const FacePlane& plane = planes[f];
-    const glm::dvec3 off = p - plane.origin;
-    const double y = glm::dot(plane.along_y, off), z = glm::dot(plane.along_z, off);
-    if (!(y >= 0.0 && z >= 0.0 && y + z <= 1.0) ||
-        !(glm::dot(plane.normal, normal) > least_cosine * glm::length(normal)))
-      continue;
-    const double d = std::abs(glm::dot(plane.normal, off));
-    if (!(d < distance)) continue;
-    distance = d;
-    best = {f, {1.0 - y - z, y, z}};
-  }
-  return best;
-}
-
-// Returns the nearest place among the faces at a vertex and among those at the corner that is nearest to it.
-Refit::Place Refit::nearest_place(const glm::dvec3& p, std::uint32_t from) const {
-  Place best;
-  double distance2 = std::numeric_limits<double>::infinity();
-  const auto look_around = [&](std::uint32_t vertex) {
-    for (const std::uint32_t f : mesh_.faces_at(vertex)) {
-      const Triangle& t = mesh_.faces()[f];
-      const NearestPoint found = nearest_point(p, at_[t.x], at_[t.y], at_[t.z]);
-      if (!(found.distance2 < distance2)) continue;
-      distance2 = found.distance2;
-      best = {f, found.weights};
+std::vector<Refit::VertexNormal> Refit::vertex_normals() const {
+  std::vector<VertexNormal> result(reduction_.positions.size());
+  for (const Triangle& t : reduction_.faces) {
+    const glm::vec3 a = scaled(t.x), normal = glm::cross(scaled(t.y) - a, scaled(t.z) - a);
+    const float length = glm::length(normal);
+    for (int k = 0; k < 3; ++k) {
+      result[t[k]].sum += normal;
+      result[t[k]].length += length;
     }
-  };
-  look_around(from);
-  if (best.face == no_id) return best;
-  const std::uint32_t nearest = heaviest_corner(mesh_.faces()[best.face], best.weights);
-  if (nearest != from) look_around(nearest);
-  return best;
+  }
+  return result;
 }
 
 // Assigns points of the input, with their shares of its area, to the nearest reduced faces: the middles of faces and
-// the vertices, as integrates squares exactly over a face (with 3/4 and three times 1/12).
-std::vector<Refit::FaceSums> Refit::face_sums() const {
-  std::vector<FacePlane> planes;
-  planes.reserve(mesh_.faces().size());
-  for (const Triangle& face : mesh_.faces()) planes.emplace_back(at_, face);
-  std::vector<Sample> samples(reduction_.faces.size());
-  for_each_range(samples.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      const Triangle& t = reduction_.faces[f];
-      std::uint32_t from = no_id;
-      for (int k = 0; k < 3 && from == no_id; ++k) from = mesh_.number(reduction_.target[t[k]]);
-      const glm::dvec3 middle = (glm::dvec3(reduction_.positions[t.x]) + glm::dvec3(reduction_.positions[t.y]) +
-                                 glm::dvec3(reduction_.positions[t.z])) /
-                                3.0;
-      samples[f] = sample_at(middle, normals_[f], 0.75 * 0.5 * glm::length(normals_[f]), from, planes);
+// the vertices, as integrates squares exactly over a face (with 3/4 and three times 1/12). Points over none of the
+// faces at the vertex into which they went count for nothing.
+std::vector<FaceSums> Refit::face_sums() const {
+  const PointLists lists = point_lists();
+  const std::vector<VertexNormal> normals = vertex_normals();
+  const std::size_t face_count = reduction_.faces.size();
+  std::vector<FaceSums> at_corners(3 * mesh_.faces().size());  // by vertex, as faces_at() lists them
+  struct Worker {
+    RefitPoints points;
+    std::vector<FacePlane> planes;
+  };
+  const auto gather = [&](Worker& worker, std::uint32_t i) {
+    const auto sums = std::span(at_corners).subspan(mesh_.first_face_at(i), mesh_.faces_at(i).size());
+    worker.planes.clear();
+    for (const std::uint32_t f : mesh_.faces_at(i)) worker.planes.push_back(plane_at(i, mesh_.faces()[f]));
+    for (std::uint32_t k = lists.first[i]; k < lists.first[i + 1]; ++k) {
+      const std::uint32_t point = lists.points[k];
+      if (point < face_count) {
+        const Triangle& t = reduction_.faces[point];
+        const glm::vec3 a = scaled(t.x), ab = scaled(t.y) - a, ac = scaled(t.z) - a, normal = glm::cross(ab, ac);
+        const glm::vec3 from_a = (ab + ac) / 3.0F;
+        worker.points.add(glm::vec3(glm::dvec3(a) - at_[i]) + from_a, normal, 0.75F * glm::length(normal));
+      } else {
+        const VertexId v = point - static_cast<std::uint32_t>(face_count);
+        worker.points.add(glm::vec3(glm::dvec3(scaled(v)) - at_[i]), normals[v].sum, normals[v].length / 12.0F);
+      }
+      if (worker.points.size() == RefitPoints::capacity) worker.points.settle(worker.planes, sums);
     }
-  });
+    worker.points.settle(worker.planes, sums);
+  };
+  constexpr std::size_t step = 64;  // vertices a task
+  for_each_task((mesh_.size() + step - 1) / step, threads_, [] { return Worker(); },
+                [&](Worker& worker, std::size_t task) {
+                  for (std::size_t i = task * step; i < std::min((task + 1) * step, mesh_.size()); ++i)
+                    gather(worker, static_cast<std::uint32_t>(i));
+                },
+                [] {});
   std::vector<FaceSums> sums(mesh_.faces().size());
-  for (const Sample& sample : samples) add(sample, sums);
-
-  Positions normals(reduction_.positions.size(), glm::dvec3(0.0));
-  std::vector<double> areas(normals.size(), 0.0);
-  for (std::size_t f = 0; f < normals_.size(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      normals[reduction_.faces[f][k]] += normals_[f];
-      areas[reduction_.faces[f][k]] += samples[f].weight / 0.75;
-    }
-  samples.resize(normals.size());
-  for_each_range(samples.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v)
-      samples[v] = sample_at(glm::dvec3(reduction_.positions[v]), normals[v], areas[v] / 12.0,
-                             mesh_.number(reduction_.target[v]), planes);
-  });
-  for (const Sample& sample : samples) add(sample, sums);
+  for (std::uint32_t i = 0; i < mesh_.size(); ++i)
+    for (std::size_t slot = 0; slot < mesh_.faces_at(i).size(); ++slot)
+      sums[mesh_.faces_at(i)[slot]].add(at_corners[mesh_.first_face_at(i) + slot]);
   return sums;
 }
 
-// Returns where a point of the input lies on the reduced faces around `from`, and what it adds to their sums.
-Refit::Sample Refit::sample_at(const glm::dvec3& p, const glm::dvec3& normal, double weight, std::uint32_t from,
-                               std::span<const FacePlane> planes) const {
-  if (from == no_id || !(weight > 0.0)) return {.weight = weight};
-  Place place = place_over(p, normal, from, planes);
-  if (place.face == no_id) place = nearest_place(p, from);
-  if (place.face == no_id) return {.weight = weight};
-  const Triangle& t = mesh_.faces()[place.face];
-  const glm::dvec3& w = place.weights;
-  const glm::dvec3 off = p - (w.x * at_[t.x] + w.y * at_[t.y] + w.z * at_[t.z]);
-  // A point beyond the border of the faces that were tried says nothing about how to move them along themselves.
-  const double along = glm::dot(planes[place.face].normal, off);
-  const bool is_over = along * along >= 0.5 * squared_length(off);
-  return {place.face, weight, glm::vec3(w), is_over ? glm::vec3(off) : glm::vec3(0.0F)};
-}
-
-void Refit::add(const Sample& sample, std::vector<FaceSums>& sums) {
-  if (sample.face == no_id) return;
-  FaceSums& sum = sums[sample.face];
-  const glm::dvec3 w(sample.weights), weighted = sample.weight * w, off(sample.off);
-  const std::array<double, 6> squares = {weighted.x * w.x, weighted.x * w.y, weighted.x * w.z,
-                                         weighted.y * w.y, weighted.y * w.z, weighted.z * w.z};
-  for (std::size_t k = 0; k < 6; ++k) sum.squares[k] += squares[k];
-  for (int k = 0; k < 3; ++k) sum.points[static_cast<std::size_t>(k)] += weighted[k] * off;
+FacePlane Refit::plane_at(std::uint32_t i, const Triangle& face) const {
+  const glm::dvec3 ab = at_[face.y] - at_[face.x], ac = at_[face.z] - at_[face.x], twice_area = glm::cross(ab, ac);
+  const double length2 = glm::dot(twice_area, twice_area);
+  if (!(length2 > 0.0)) return {};
+  return {glm::vec3(twice_area / std::sqrt(length2)), glm::vec3(glm::cross(ac, twice_area) / length2),
+          glm::vec3(glm::cross(twice_area, ab) / length2), face.y == i ? 1.0F : 0.0F, face.z == i ? 1.0F : 0.0F};
 }
 
 // Solves for the steps of all vertices by a few rounds of conjugate gradients with the diagonal as preconditioner.
@@ -340,7 +247,10 @@ Positions Refit::least_squares() const {
     diagonal[faces[f].x] += sums[f].squares[0];
     diagonal[faces[f].y] += sums[f].squares[3];
     diagonal[faces[f].z] += sums[f].squares[5];
-    for (int k = 0; k < 3; ++k) rest[faces[f][k]] += sums[f].points[static_cast<std::size_t>(k)];
+    const glm::dvec3 twice = twice_area(at_, faces[f]);
+    const double length = glm::length(twice);
+    if (length > 0.0)
+      for (int k = 0; k < 3; ++k) rest[faces[f][k]] += sums[f].heights[static_cast<std::size_t>(k)] / length * twice;
   }
   double mean = 0.0;
   for (const double d : diagonal) mean += d / static_cast<double>(n);

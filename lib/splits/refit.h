@@ -16,6 +16,8 @@ struct Reduction {
   std::span<const Triangle> faces;       // of the input
   std::span<const VertexId> target;      // per input vertex: the vertex of the input into which it was merged
   std::span<const Triangle> reduced;     // the faces that are left, of vertices of the input
+  std::span<const glm::vec3> minima;     // per input vertex that is left: ReducedFaces::minima
+  float scale;                           // ReducedFaces::scale
 };
 
 // Returns the new position of each vertex of the input that reduced faces use; others keep theirs. First each vertex

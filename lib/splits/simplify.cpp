@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <glm/common.hpp>
 #include <limits>
@@ -142,6 +143,9 @@ class Simplifier {
       const auto& merges = records_[block].merges;
       for (std::size_t i = merges.size(); i-- > 0;) result.target[merges[i].v] = result.target[merges[i].u];
     }
+    if (result.faces.empty() && records_.size() > 0) result.least_possible = records_[records_.size() - 1].last_gone;
+    result.minima = quadric_minima(result.target);
+    result.scale = state_->scale;
     return result;
   }
 
@@ -149,13 +153,15 @@ class Simplifier {
   void collapse() {
     for (std::size_t pass = 0; many_left(); ++pass) {
       if (pass > 0) sort_live(pass);
-      const std::size_t made = run_pass(make_blocks(block_size, threshold()));
+      const std::size_t made =
+          run_pass(make_blocks(block_size, threshold(), std::max(2 * options_.base_triangles, live_faces_ / 16)));
       if (static_cast<double>(made) < min_progress * static_cast<double>(live_.size())) break;
       drop_dead();
     }
     // Run down to the base mesh, however long it takes: each run ends with a block that is exhausted or small enough.
     drop_dead();
-    if (live_faces_ > options_.base_triangles) run_pass(make_blocks(live_.size(), std::numeric_limits<float>::max()));
+    if (live_faces_ > options_.base_triangles)
+      run_pass(make_blocks(live_.size(), std::numeric_limits<float>::max(), options_.base_triangles));
   }
 
   static SimplifySetup setup_of(const BuildOptions& options, unsigned threads, SimplifySetup setup) {
@@ -166,10 +172,35 @@ class Simplifier {
     return setup;
   }
 
-  // Returns whether many faces are left. Blocks may remove far more than a fine base mesh allows, so they stop well
-  // before it.
+  // Returns whether many faces are left. The last of them go in the order of their costs over the whole mesh.
   [[nodiscard]] bool many_left() const {
     return live_.size() > block_size && live_faces_ > 4 * options_.base_triangles;
+  }
+
+  // Planes that held a boundary have no say in where a vertex fits best: where some are in its quadric, it is summed
+  // again from the faces of the input.
+  [[nodiscard]] std::vector<glm::vec3> quadric_minima(std::span<const VertexId> target) {
+    constexpr float rounding = 1.001F;
+    std::vector<glm::vec3> result(target.size(), glm::vec3(0.0F));
+    std::vector<std::uint8_t> is_mixed(target.size(), 0);
+    bool any = false;
+    drop_dead();
+    for (const VertexId v : live_) {
+      VertexQuadric& quadric = state_->vertices[v].quadric;
+      const bool is_pure = quadric.xx + quadric.yy + quadric.zz <= rounding * quadric.weight;
+      if (is_pure)
+        result[v] = quadric.minimum();
+      else
+        quadric = {}, is_mixed[v] = 1, any = true;
+    }
+    if (!any) return result;
+    for (const Triangle& t : mesh_.triangles)
+      if ((is_mixed[target[t.x]] | is_mixed[target[t.y]] | is_mixed[target[t.z]]) != 0)
+        for (int k = 0; k < 3; ++k)
+          if (is_mixed[target[t[k]]] != 0) state_->add_plane_of(t, target[t[k]]);
+    for (const VertexId v : live_)
+      if (is_mixed[v] != 0) result[v] = state_->vertices[v].quadric.minimum();
+    return result;
   }
 
   // Coarse cells are enough to cut blocks: a block has some hundred of them on a surface.
@@ -188,13 +219,16 @@ class Simplifier {
     return std::min(*middle, std::numeric_limits<float>::max());
   }
 
-  [[nodiscard]] std::vector<Block> make_blocks(std::size_t size, float threshold) {
+  // Makes blocks of `size` vertices that together leave `least` faces: each may remove its share of the others.
+  [[nodiscard]] std::vector<Block> make_blocks(std::size_t size, float threshold, std::size_t least) {
     for_each_id(live_.size(), threads_, [&](std::uint32_t i) { state_->turns[live_[i]].place = i; });
+    const double share =
+        static_cast<double>(live_faces_ - std::min(live_faces_, least)) / static_cast<double>(live_.size());
     std::vector<Block> blocks;
     for (std::size_t begin = 0; begin < live_.size(); begin += size) {
       const auto vertices = std::span<const VertexId>(live_).subspan(begin, std::min(size, live_.size() - begin));
       blocks.push_back({vertices, static_cast<std::uint32_t>(begin), records_.size() + blocks.size(), threshold,
-                        live_faces_ - std::min(live_faces_, options_.base_triangles)});
+                        static_cast<std::size_t>(std::ceil(share * static_cast<double>(vertices.size())))});
     }
     return blocks;
   }

@@ -130,6 +130,10 @@ struct ReducedFaces {
   std::vector<VertexId> target;   // per vertex of the mesh: the vertex into which it was merged
   std::vector<Triangle> faces;    // of vertices of the mesh
   std::vector<Triangle> corners;  // the wedges whose attributes they have; empty where attributes do not count
+  // Per vertex of the mesh that is left: the minimum of its quadric, relative to it, in units of 1 / scale.
+  std::vector<glm::vec3> minima;
+  float scale = 1.0F;
+  std::size_t least_possible = 0;  // where no face is left: how many there were before the last collapse
 };
 
 // Simplifies `mesh` like simplify() down to options.base_triangles, in less time, because it records less. Vertices

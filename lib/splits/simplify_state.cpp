@@ -126,6 +126,16 @@ void SimplifyState::hold_seams(VertexId v) {
   }
 }
 
+void SimplifyState::add_plane_of(const Triangle& face, VertexId v) {
+  const glm::vec3 normal = glm::cross(edge(face.x, face.y), edge(face.x, face.z));
+  const float twice_area = glm::length(normal);
+  if (!(twice_area > 0.0F)) return;
+  VertexQuadric quadric;
+  quadric.add_plane(normal / twice_area, twice_area);
+  quadric.weight = twice_area;
+  vertices[v].quadric.add(quadric, edge(face.x, v));
+}
+
 float SimplifyState::propose(VertexId v, Fan& fan) const {
   float cheapest = infinity;
   if (fan.gather(mesh, v)) {

@@ -67,6 +67,8 @@ struct SimplifyState {
   [[nodiscard]] float cost(VertexId v, VertexId u) const { return vertices[v].quadric.cost(edge(v, u)); }
   // Returns the cost of v's cheapest collapse without checking the collapse.
   [[nodiscard]] float propose(VertexId v, Fan& fan) const;
+  // Adds the plane of a face of the input, weighted by its area, to the quadric of any vertex.
+  void add_plane_of(const Triangle& face, VertexId v);
 
  private:
   void make_quadric(VertexId v, Fan& fan, double boundary_weight);

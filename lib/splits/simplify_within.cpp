@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -73,21 +74,27 @@ class DistanceSearch {
   }
 
   // Reduces the mesh to about so many triangles, and keeps it if it is near enough and smaller than the best. Where
-  // only few places are too far, locks the vertices of the input there and tries again.
+  // only few places are too far, locks the vertices of the input there and tries again, as long as the places become
+  // fewer by a quarter with every second attempt.
   bool try_count(std::size_t count) {
     constexpr int most_attempts = 8;
     const std::vector<std::uint8_t> locked_before = locked_;
+    std::size_t before = std::numeric_limits<std::size_t>::max(), before_that = before;  // numbers of places
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
       TriangleMesh reduced = reducer_.reduced(count, locked_, keep_going());
       if (reduced.triangles.empty() || reduced.triangle_count() >= enough_) break;
-      const std::optional<FarPlaces> far = far_places({reduced.positions, reduced.triangles});
+      std::optional<FarPlaces> far = far_places({reduced.positions, reduced.triangles});
       if (!far) break;
       if (far->empty()) {
         enough_ = reduced.triangle_count();
         best_ = {std::move(reduced), 0.0};
         return true;
       }
-      count += lock(*far);  // for what stays, so that nothing else has to go instead
+      const std::size_t wanted = std::exchange(before_that, std::exchange(before, far->size())) / 4 * 3;
+      if (far->size() > wanted) break;
+      const std::size_t locked = lock(std::move(*far));
+      if (locked == 0) break;
+      count += locked;  // for what stays, so that nothing else has to go instead
     }
     locked_ = locked_before;
     return false;
@@ -105,13 +112,23 @@ class DistanceSearch {
     for (const FarFace& far : *there) result.push_back(far.face);
     return result;
   }
-  // Locks the vertices of these faces. Returns how many were not locked before.
-  std::size_t lock(const FarPlaces& places) {
+  // Locks the vertices of these faces, or where all are locked, those of more and more faces around them. Returns how
+  // many were not locked before.
+  std::size_t lock(FarPlaces places) {
+    constexpr int most_rings = 3;
     std::size_t count = 0;
-    for (const std::uint32_t face : places)
-      for (int k = 0; k < 3; ++k)
-        if (std::exchange(locked_[faces_[face][k]], 1) == 0) ++count;
+    for (int ring = 0; count == 0 && ring <= most_rings; ++ring) {
+      if (ring > 0) add_neighbours(places);
+      for (const std::uint32_t face : places)
+        for (int k = 0; k < 3; ++k)
+          if (std::exchange(locked_[faces_[face][k]], 1) == 0) ++count;
+    }
     return count;
+  }
+  void add_neighbours(FarPlaces& places) const {
+    for (std::size_t i = 0, size = places.size(); i < size; ++i)
+      for (int k = 0; k < 3; ++k)
+        if (const std::uint32_t next = tree_.neighbour(places[i], k); next != no_id) places.push_back(next);
   }
 
   // Each try may be cancelled, and reports nothing itself.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <numeric>
 #include <utility>
 
 #include "base/threads.h"
@@ -54,6 +55,40 @@ class Polygon {
   std::size_t size_ = 0;
 };
 
+// A face with the walls that stand on its sides, outwards.
+class WalledFace {
+ public:
+  WalledFace(const SurfaceTree& tree, std::uint32_t face)
+      : corners_{tree.corner(face, 0), tree.corner(face, 1), tree.corner(face, 2)} {
+    const glm::dvec3 normal = glm::cross(corners_[1] - corners_[0], corners_[2] - corners_[0]);
+    normal_ = unit(normal);
+    for (std::size_t k = 0; k < 3; ++k) walls_[k] = unit(glm::cross(corners_[(k + 1) % 3] - corners_[k], normal));
+  }
+
+  // Returns how far beyond a wall the point lies; negative inside.
+  [[nodiscard]] double beyond_wall(std::size_t k, const glm::dvec3& p) const {
+    return glm::dot(walls_[k], p - corners_[k]);
+  }
+  // Returns whether the point is within a distance, given by its square, of the face. The foot on its plane decides
+  // where that lies within the walls, or too far beyond one.
+  [[nodiscard]] bool is_near(const glm::dvec3& p, double limit2) const {
+    const double height = glm::dot(normal_, p - corners_[0]);
+    const double beyond = std::max({beyond_wall(0, p), beyond_wall(1, p), beyond_wall(2, p), 0.0});
+    if (height * height + beyond * beyond > limit2) return false;
+    return (beyond == 0.0 && normal_ != glm::dvec3(0.0)) ||
+           nearest_point(p, corners_[0], corners_[1], corners_[2]).distance2 <= limit2;
+  }
+
+ private:
+  static glm::dvec3 unit(const glm::dvec3& v) {
+    const double length2 = squared_length(v);
+    return length2 > 0.0 ? v / std::sqrt(length2) : glm::dvec3(0.0);
+  }
+
+  std::array<glm::dvec3, 3> corners_, walls_;
+  glm::dvec3 normal_;
+};
+
 // Measures the faces of one range.
 class FaceMeasurer {
  public:
@@ -64,7 +99,7 @@ class FaceMeasurer {
     pieces_.clear();
     add_triangle(a, b, c);
     while (!pieces_.empty()) {
-      const Polygon piece = pieces_.back();
+      const Piece piece = pieces_.back();
       pieces_.pop_back();
       if (!measure(piece)) return near_;
     }
@@ -72,60 +107,96 @@ class FaceMeasurer {
   }
 
  private:
-  // Returns false when a point of the piece is too far. What is not known yet becomes pieces.
-  bool measure(const Polygon& piece) {
+  struct Piece {
+    Polygon polygon;
+    std::uint32_t near = no_id;  // a face that is probably near
+  };
+
+  // Returns false when a point of the piece is too far. What is not known yet becomes pieces. Most pieces lie over the
+  // face beside that over which the one before lay, so the nearest face need not be searched.
+  bool measure(const Piece& piece) {
     constexpr double exactness = 0.02;
-    if (near_ != no_id && is_near_face(piece)) return true;
-    const glm::dvec3 middle = piece.middle();
-    const SurfaceTree::Found found = to_.nearest(middle, 0.0, near_);
+    const Polygon& polygon = piece.polygon;
+    const glm::dvec3 middle = polygon.middle();
+    double radius2 = 0.0;
+    for (const glm::dvec3& p : polygon) radius2 = std::max(radius2, squared_length(p - middle));
+    const double radius = std::sqrt(radius2);
+    if (piece.near != no_id) {
+      near_ = piece.near;
+      WalledFace face(to_, near_);
+      if (is_near(face, polygon)) return true;
+      if (walk_to(middle, face) && is_near(face, polygon)) return true;
+      if (cut_at(face, polygon, radius)) return true;
+    }
+    const std::uint32_t tried = near_;
+    const double enough = std::max(limit_ - radius, 0.0);  // then all of the piece is near
+    const SurfaceTree::Found found = to_.nearest(middle, enough * enough, near_);
     near_ = found.face;
     if (found.distance2 > limit2_) return false;
-    double radius2 = 0.0;
-    for (const glm::dvec3& p : piece) radius2 = std::max(radius2, squared_length(p - middle));
-    const double radius = std::sqrt(radius2);
-    if (std::sqrt(found.distance2) + radius <= limit_ || is_near_face(piece)) return true;
+    if (found.distance2 <= enough * enough) return true;
+    if (near_ == tried) return radius > exactness * limit_ && (divide(polygon, middle), true);
+    const WalledFace face(to_, near_);
+    if (is_near(face, polygon)) return true;
     if (radius <= exactness * limit_) return false;
-    if (!cut_at_face(piece, radius)) divide(piece, middle);
+    if (!cut_at(face, polygon, radius)) divide(polygon, middle);
     return true;
   }
 
-  [[nodiscard]] bool is_near_face(const Polygon& piece) const {
-    return std::all_of(piece.begin(), piece.end(),
-                       [&](const glm::dvec3& p) { return to_.distance2(near_, p) <= limit2_; });
+  // Goes from the near face to that over which the point lies, if few others lie between. Returns whether it is
+  // another.
+  bool walk_to(const glm::dvec3& p, WalledFace& face) {
+    constexpr int most_steps = 4;
+    const std::uint32_t start = near_;
+    for (int step = 0; step < most_steps; ++step) {
+      const std::array<double, 3> beyond = {face.beyond_wall(0, p), face.beyond_wall(1, p), face.beyond_wall(2, p)};
+      const auto most = std::max_element(beyond.begin(), beyond.end());
+      const std::uint32_t next = *most > 0.0 ? to_.neighbour(near_, static_cast<int>(most - beyond.begin())) : no_id;
+      if (next == no_id) break;
+      near_ = next;
+      face = WalledFace(to_, near_);
+    }
+    return near_ != start;
   }
 
-  // Cuts the piece along the walls that stand on the sides of the near face. Returns false, with no new pieces, when
-  // that does not help: when what lies over the face is too little, all, or not near it everywhere.
-  bool cut_at_face(const Polygon& piece, double radius) {
+  [[nodiscard]] bool is_near(const WalledFace& face, const Polygon& piece) const {
+    return std::all_of(piece.begin(), piece.end(), [&](const glm::dvec3& p) { return face.is_near(p, limit2_); });
+  }
+
+  // Cuts the piece along the walls of the near face. Returns false, with no new pieces, when that does not help: when
+  // what lies over the face is too little, all, or not near it everywhere.
+  bool cut_at(const WalledFace& face, const Polygon& piece, double radius) {
     constexpr double least_share = 1.0 / 16.0;
     const double least_area = 1e-6 * limit_ * radius;  // what is so narrow is as near as what it was cut from
-    const glm::dvec3 a = to_.corner(near_, 0), b = to_.corner(near_, 1), c = to_.corner(near_, 2);
-    const glm::dvec3 normal = glm::cross(b - a, c - a);
     const std::size_t before = pieces_.size();
     Polygon rest = piece;
-    for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
+    for (std::size_t k = 0; k < 3 && rest.size() >= 3; ++k) {
       if (rest.size() + 1 >= Polygon::capacity) break;
-      const auto [inside, outside] = cut(rest, from, glm::cross(normal, to - from));
-      if (outside.size() >= 3 && outside.area() > least_area) pieces_.push_back(outside);
+      const auto [inside, outside] = cut(rest, face, k);
+      if (outside.size() >= 3 && outside.area() > least_area)
+        pieces_.push_back({outside, to_.neighbour(near_, static_cast<int>(k))});
       rest = inside;
     }
-    if (pieces_.size() > before && rest.area() > least_share * piece.area() && is_near_face(rest)) return true;
+    if (pieces_.size() > before && rest.size() >= 3 && rest.area() > least_share * piece.area() && is_near(face, rest))
+      return true;
     pieces_.resize(before);
     return false;
   }
 
-  // Returns the parts of a polygon on the side of a plane to which `normal` points, and on the other.
-  static std::pair<Polygon, Polygon> cut(const Polygon& polygon, const glm::dvec3& point, const glm::dvec3& normal) {
+  // Returns the parts of a polygon inside and outside a wall.
+  static std::pair<Polygon, Polygon> cut(const Polygon& polygon, const WalledFace& face, std::size_t wall) {
     Polygon inside, outside;
+    double at_p = face.beyond_wall(wall, polygon[0]);
     for (std::size_t i = 0; i < polygon.size(); ++i) {
       const glm::dvec3 &p = polygon[i], &q = polygon[i + 1 == polygon.size() ? 0 : i + 1];
-      const double at_p = glm::dot(p - point, normal), at_q = glm::dot(q - point, normal);
-      if (at_p >= 0.0) inside.add(p);
-      if (at_p <= 0.0) outside.add(p);
-      if (!((at_p > 0.0 && at_q < 0.0) || (at_p < 0.0 && at_q > 0.0))) continue;
-      const glm::dvec3 crossing = p + at_p / (at_p - at_q) * (q - p);
-      inside.add(crossing);
-      outside.add(crossing);
+      const double at_q = face.beyond_wall(wall, q);
+      if (at_p <= 0.0) inside.add(p);
+      if (at_p >= 0.0) outside.add(p);
+      if ((at_p > 0.0 && at_q < 0.0) || (at_p < 0.0 && at_q > 0.0)) {
+        const glm::dvec3 crossing = p + at_p / (at_p - at_q) * (q - p);
+        inside.add(crossing);
+        outside.add(crossing);
+      }
+      at_p = at_q;
     }
     return {inside, outside};
   }
@@ -144,14 +215,15 @@ class FaceMeasurer {
     add_triangle(0.5 * (from + to), to, beside);
   }
   void add_triangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-    Polygon& triangle = pieces_.emplace_back();
-    for (const glm::dvec3& p : {a, b, c}) triangle.add(p);
+    Piece& piece = pieces_.emplace_back();
+    for (const glm::dvec3& p : {a, b, c}) piece.polygon.add(p);
+    piece.near = near_;
   }
 
   const SurfaceTree& to_;
   double limit_, limit2_;
   std::uint32_t near_ = no_id;  // the face that was found last
-  std::vector<Polygon> pieces_;
+  std::vector<Piece> pieces_;
 };
 
 }  // namespace
@@ -169,6 +241,28 @@ SurfaceTree::SurfaceTree(const SurfaceView& surface) : surface_(surface) {
     for (std::size_t i = 0; i < below.size(); ++i) unite(above[i / fan_out], below[i].min, below[i].max);
     levels_.push_back(std::move(above));
   }
+  find_neighbours();
+}
+
+void SurfaceTree::find_neighbours() {
+  const std::span<const Triangle> faces = surface_.faces;
+  std::vector<std::uint32_t> first(surface_.positions.size() + 2, 0), faces_at(3 * faces.size());
+  for (const Triangle& face : faces)
+    for (int k = 0; k < 3; ++k) ++first[face[k] + 2];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  for (std::uint32_t f = 0; f < faces.size(); ++f)
+    for (int k = 0; k < 3; ++k) faces_at[first[faces[f][k] + 1]++] = f;
+  neighbours_.assign(faces.size(), {no_id, no_id, no_id});
+  for (std::uint32_t f = 0; f < faces.size(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const VertexId from = faces[f][k], to = faces[f][(k + 1) % 3];
+      const auto begin = faces_at.begin() + first[from], end = faces_at.begin() + first[from + 1];
+      const auto found = std::find_if(begin, std::min(end, begin + most_at_vertex), [&](std::uint32_t g) {
+        const Triangle& t = faces[g];
+        return g != f && (t.x == to || t.y == to || t.z == to);
+      });
+      if (found != std::min(end, begin + most_at_vertex)) neighbours_[f][k] = *found;
+    }
 }
 
 double SurfaceTree::distance2(std::uint32_t face, const glm::dvec3& p) const {
@@ -211,15 +305,17 @@ SurfaceTree::Found SurfaceTree::nearest(const glm::dvec3& p, double enough2, std
 
 std::optional<std::vector<FarFace>> faces_beyond(double limit, std::size_t most, const SurfaceView& from,
                                                  const SurfaceTree& to, unsigned threads) {
-  std::vector<std::vector<FarFace>> parts((from.faces.size() + range_size - 1) / range_size);
+  constexpr std::size_t part_size = 256;
+  std::vector<std::vector<FarFace>> parts((from.faces.size() + part_size - 1) / part_size);
   std::atomic<std::size_t> count = 0;
-  for_each_range(from.faces.size(), threads, [&](std::size_t begin, std::size_t end) {
+  for_each_task(parts.size(), threads, [&](std::size_t part) {
     FaceMeasurer measurer(to, limit);
-    for (std::size_t f = begin; f < end && count <= most; ++f) {
+    const std::size_t end = std::min((part + 1) * part_size, from.faces.size());
+    for (std::size_t f = part * part_size; f < end && count <= most; ++f) {
       const Triangle& t = from.faces[f];
       const auto near = measurer.beyond(from.positions[t.x], from.positions[t.y], from.positions[t.z]);
       if (!near) continue;
-      parts[begin / range_size].push_back({static_cast<std::uint32_t>(f), *near});
+      parts[part].push_back({static_cast<std::uint32_t>(f), *near});
       ++count;
     }
   });

@@ -28,6 +28,8 @@ class SurfaceTree {
   [[nodiscard]] glm::dvec3 corner(std::uint32_t face, int k) const {
     return glm::dvec3(surface_.positions[surface_.faces[face][k]]);
   }
+  // Returns a face across the side that begins at corner k; no_id when none is known.
+  [[nodiscard]] std::uint32_t neighbour(std::uint32_t face, int k) const { return neighbours_[face][k]; }
   [[nodiscard]] double distance2(std::uint32_t face, const glm::dvec3& p) const;
   struct Found {
     std::uint32_t face = no_id;
@@ -40,8 +42,13 @@ class SurfaceTree {
  private:
   static constexpr std::size_t fan_out = 4;  // faces of a leaf, and children of a node
 
+  static constexpr std::ptrdiff_t most_at_vertex = 64;  // faces among which neighbours are searched
+
+  void find_neighbours();
+
   SurfaceView surface_;
   std::vector<std::vector<Box>> levels_;  // around fan_out faces, then around fan_out boxes of the level before
+  std::vector<Triangle> neighbours_;      // of each face, by side
 };
 
 // A face with a point that is farther from a surface than it may be, and a face of the surface near that point.

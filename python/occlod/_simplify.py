@@ -226,8 +226,8 @@ def simplify(
 
     With `refit` vertices move to where the surface fits best. `threads`: 0 for one per core; the result does not depend on
     them. `progress` is called with the share done; what it raises, and Ctrl-C, end the call. TypeError for what is no mesh,
-    ValueError for a number out of range, Error for a bad file or mesh. O(n log n); measuring for `error` takes up to a
-    thousand times as long.
+    ValueError for a number out of range, Error for a bad file or mesh. O(n log n); measuring for `error` takes up to some
+    hundred times as long.
     """
     if sum(goal is not None for goal in (triangles, ratio, error)) != 1:
         raise TypeError("simplify: give one of triangles, ratio and error")

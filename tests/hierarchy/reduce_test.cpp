@@ -301,6 +301,80 @@ TEST(Reduce, LeavesSomething) {
   EXPECT_EQ(simplify(test::fan(200), 1).triangle_count(), 1U);
 }
 
+std::string what_of(const TriangleMesh& mesh, std::size_t most) {
+  try {
+    (void)simplify(mesh, most);
+    return "";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+TEST(Reduce, SaysTheFewestTrianglesThatArePossible) {
+  const TriangleMesh mesh = test::many_tetrahedra(50);
+  EXPECT_NE(what_of(mesh, 3).find("allow more: the fewest are 4"), std::string::npos) << what_of(mesh, 3);
+  EXPECT_EQ(simplify(mesh, 4).triangle_count(), 4U);
+}
+
+// Tetrahedra of the sizes 1 to 2, in no order.
+TriangleMesh tetrahedra_of_sizes(std::size_t count) {
+  TriangleMesh mesh;
+  for (std::size_t i = 0; i < count; ++i) {
+    TriangleMesh part = test::tetrahedron();
+    for (glm::vec3& p : part.positions) p *= 1.0F + static_cast<float>(i * 617 % count) / static_cast<float>(count);
+    test::append(mesh, part, {4.0F * static_cast<float>(i), 0, 0});
+  }
+  return mesh;
+}
+
+// A tetrahedron has no fewer triangles, so a tenth of them stay, and those are the largest. The queue orders costs,
+// which go with the cubes of sizes, to 1/32 octave.
+TEST(Reduce, PartsVanishSmallestFirst) {
+  constexpr std::size_t count = 1000;
+  const TriangleMesh reduced = simplify(tetrahedra_of_sizes(count), 4 * count / 10);
+  ASSERT_EQ(reduced.triangle_count(), 4 * count / 10);
+  for (const Triangle& t : reduced.triangles) {  // each has a side along the diagonal of two of the three axes
+    float longest = 0.0F;
+    for (int k = 0; k < 3; ++k)
+      longest = std::max(longest, glm::distance(reduced.positions[t[k]], reduced.positions[t[(k + 1) % 3]]));
+    EXPECT_GT(longest / std::sqrt(2.0F), 0.97F * 1.9F);
+  }
+}
+
+// What vanished is as far from the rest as it was.
+TEST(ReduceWithin, CountsTheDistanceOfPartsThatVanish) {
+  const TriangleMesh mesh = tetrahedra_of_sizes(50);
+  for (const double allowed : {1.0, 10.0}) {
+    const SimplifiedMesh reduced = simplify_within(mesh, allowed);
+    EXPECT_LE(reduced.distance, allowed);
+    EXPECT_LE(farthest_of_points(mesh, reduced.mesh), 1.001 * allowed);
+    EXPECT_EQ(reduced.mesh.triangle_count() < mesh.triangle_count(), allowed == 10.0) << allowed;
+  }
+}
+
+// Double pyramids over a triangle, a hundredth as high as wide: the first collapse of each costs next to nothing, so a
+// pass could make them in all blocks at once.
+TEST(Reduce, LeavesTheTrianglesAskedForOfManyFlatParts) {
+  constexpr int count = 20'000, columns = 141;
+  TriangleMesh mesh;
+  for (int i = 0; i < count; ++i) {
+    const float size = 0.05F + 0.35F * static_cast<float>(i * 617 % count) / static_cast<float>(count);
+    TriangleMesh part = test::fan(3);
+    part.positions[0].z = 0.01F;
+    part.positions.emplace_back(0.0F, 0.0F, -0.01F);
+    for (int side = 0; side < 3; ++side) {
+      const Triangle t = part.triangles[static_cast<std::size_t>(side)];
+      part.triangles.emplace_back(4U, t.z, t.y);
+    }
+    for (glm::vec3& p : part.positions) p *= size;
+    test::append(mesh, part, {static_cast<float>(i % columns), static_cast<float>(i / columns), 0});
+  }
+  const std::size_t most = mesh.triangle_count() / 10;
+  const std::size_t left = simplify(mesh, most).triangle_count();
+  EXPECT_LE(left, most);
+  EXPECT_GE(left + 6, most);
+}
+
 TEST(Reduce, RefusesWhatItCannotDo) {
   const TriangleMesh mesh = test::tetrahedron();
   EXPECT_THROW((void)simplify(mesh, 0), Error);

@@ -12,6 +12,7 @@
 #include "cell_sight.h"
 #include "cells/cell_geometry.h"
 #include "cells/hull_test.h"
+#include "cells/inner_boxes.h"
 #include "occlod/build_hierarchy.h"
 #include "splits/surface_motion.h"
 #include "support/meshes.h"
@@ -162,11 +163,61 @@ TEST(HullGuards, ATunnelIsOpen) {
   EXPECT_FALSE(hides(walls.positions, walls.triangles, {}));
 }
 
-// Of 23,000 triangles in the hull. The window, at y = z = -2.0 in a hull that ends at -2.1, is far beyond the 4,096
-// that are looked at from the middle on: that none of those is a border says nothing.
+// Of 23,000 triangles in the hull. The window, at y = z = -2.0 in a hull that ends at -2.1, is far beyond the
+// 16,384 that are looked at from the middle on: that none of those is a border says nothing.
 TEST(HullGuards, AFloodThatIsCutOffHidesNothing) {
   const Mesh wall = wall_with_window(128, 12);
   EXPECT_FALSE(hides(wall.positions, wall.triangles, {}));
+}
+
+// A sheet at x = 16 goes on, at y = 1.5, to one at x = 10 that ends at y = -1. The flood from there fails at once; that
+// from the other comes to it by the side, and would be without a border if it ended there.
+TEST(HullGuards, AFloodThatMeetsAFailedOneFails) {
+  std::vector<glm::dvec3> positions = {{10, -1, -8},  {10, -1, 8},  {10, 1.5, -8}, {10, 1.5, 8},
+                                       {16, 1.5, -8}, {16, 1.5, 8}, {16, -8, -8},  {16, -8, 8}};
+  std::vector<Triangle> triangles = {{0, 1, 3}, {0, 3, 2}, {2, 3, 5}, {2, 5, 4}, {4, 5, 7}, {4, 7, 6}};
+  for (const double z : {-2.0, 2.0}) {  // on the segments from corner to corner
+    const auto first = static_cast<VertexId>(positions.size());
+    positions.insert(positions.end(), {{10, 1.7, z - 0.3}, {10, 2.3, z - 0.3}, {10, 2.0, z + 0.5}});
+    triangles.emplace_back(first, first + 1, first + 2);
+  }
+  EXPECT_FALSE(hides(std::move(positions), triangles, {}));
+}
+
+// Many open triangles before a wall, all crossed by the segment from middle to middle, hide nothing themselves.
+TEST(HullTest, AWallHidesBehindManySmallThings) {
+  Mesh wall{{{16, -8, -8}, {16, 9, -8}, {16, 9, 8}, {16, -8, 8}}, {{0, 1, 2}, {0, 2, 3}}};
+  for (int i = 0; i < 40; ++i) {
+    const auto first = static_cast<VertexId>(wall.positions.size());
+    const double x = 3.0 + 0.25 * i;
+    wall.positions.insert(wall.positions.end(), {{x, -0.1, -0.1}, {x, 0.1, -0.1}, {x, 0.0, 0.2}});
+    wall.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  EXPECT_TRUE(hides(wall.positions, wall.triangles, {}));
+}
+
+// A ball that the hull holds is crossed twice by the segment from middle to middle. The others meet small triangles.
+TEST(HullTest, AFloodEndsWhereItsPartIsCrossedAnEvenNumberOfTimes) {
+  const TriangleMesh ball = test::octahedron_sphere(4);
+  std::vector<glm::dvec3> positions;
+  for (const glm::vec3& p : ball.positions) positions.push_back(1.5 * glm::dvec3(p) + glm::dvec3(10, 0.01, 0.02));
+  std::vector<Triangle> triangles = ball.triangles;
+  for (const double y : {-2.0, 2.0})
+    for (const double z : {-2.0, 2.0}) {
+      const auto first = static_cast<VertexId>(positions.size());
+      positions.insert(positions.end(), {{10, y - 0.3, z - 0.3}, {10, y + 0.3, z - 0.3}, {10, y, z + 0.5}});
+      triangles.emplace_back(first, first + 1, first + 2);
+    }
+  const CellSurface surface(std::move(positions), triangles, {});
+  const InnerBoxes boxes(surface);
+  HullTest whole(surface), early(surface, &boxes);
+  for (HullTest* test : {&whole, &early}) {
+    test->set_cell(eyes, 0.0);
+    EXPECT_FALSE(test->hides(box));
+    EXPECT_EQ(test->counts().free, 0U);
+  }
+  EXPECT_EQ(whole.counts().triangles, ball.triangles.size());
+  EXPECT_LT(10 * early.counts().triangles, whole.counts().triangles);
 }
 
 // The hull reaches to y = 2.1 at x = 10. A sheet that has not moved goes on at y = 2.3 as one that ends at 2.5. If that

@@ -22,8 +22,9 @@ struct SimplifyOptions {
 
 // Returns the mesh with at most `max_triangles` triangles (>= 1), reduced by half-edge collapses in the order of their
 // quadric error, as build_hierarchy() makes them; the mesh itself when it has no more. Attributes, materials and
-// textures are kept. Throws Error as build_hierarchy() does, and when nothing would be left: closed surfaces have at
-// least 4 triangles. O(n log n) time; needs about 270 bytes a vertex.
+// textures are kept. Throws Error as build_hierarchy() does, and when nothing would be left, with the fewest triangles
+// that are possible: closed surfaces have at least 4. Small parts vanish first. O(n log n) time; needs about 270 bytes
+// a vertex.
 [[nodiscard]] TriangleMesh simplify(const TriangleMesh& mesh, std::size_t max_triangles,
                                     const SimplifyOptions& options = {});
 
@@ -36,7 +37,7 @@ struct SimplifiedMesh {
 // Returns a mesh with about as few triangles as possible whose every point lies within `max_distance` (object units,
 // > 0) of the input, and the input's within it of the mesh: bisects the number of triangles to 5 %, and keeps vertices
 // of the input at places that would be too far. Attributes do not count. Throws as simplify() does. Measuring takes
-// up to a thousand times as long as simplify().
+// up to some hundred times as long as simplify().
 [[nodiscard]] SimplifiedMesh simplify_within(const TriangleMesh& mesh, double max_distance,
                                              const SimplifyOptions& options = {});
 
