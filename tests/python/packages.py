@@ -20,3 +20,9 @@ try:
     import tqdm
 except ImportError:
     tqdm = None
+try:
+    import bpy
+    import bpy_extras.object_utils
+    import mathutils
+except ImportError:
+    bpy = bpy_extras = mathutils = None
