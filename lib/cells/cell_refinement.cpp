@@ -215,8 +215,8 @@ void CellRefinement::refine(std::uint32_t object, const CellView& view) {
   const Hierarchy& hierarchy = cuts_[object].hierarchy();
   const std::span<const SplitId> roots = hierarchy.data().roots;
   visits_.clear();
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root)
-    visits_.push_back({.split = *root, .box = hierarchy.node(*root).box()});
+  for (const SplitId root : roots) visits_.push_back({.split = root, .box = hierarchy.node(root).box()});
+  std::reverse(visits_.begin(), visits_.end());  // the last is visited first
   while (!visits_.empty()) {
     const Visit next = visits_.back();
     visits_.pop_back();
