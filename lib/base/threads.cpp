@@ -45,7 +45,7 @@ class ThreadPool {
   void help(SharedWork& work, std::unique_lock<std::mutex>& lock) noexcept;
   void rest(std::unique_lock<std::mutex>& lock);
 
-  ForkMark began_;  // never changes
+  ForkMark began_;    // never changes
   std::mutex mutex_;  // guards everything below and what it guards in SharedWork
   std::condition_variable opened_, left_;
   std::vector<SharedWork*> open_;            // those that more threads may join, oldest first

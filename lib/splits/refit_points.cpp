@@ -26,7 +26,7 @@ void find_faces(std::span<const FacePlane> faces, std::size_t count, RefitPoints
   const Points d;
   const PointVec zero = hn::Zero(d), one = hn::Set(d, 1.0F);
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const auto load = [&](const RefitPoints::Row& row) { return hn::Load(d, row.data() + i); };
+    const auto load = [&](const RefitPoints::Row& row) HWY_ATTR { return hn::Load(d, row.data() + i); };
     const PointVec x = load(rows.x), y = load(rows.y), z = load(rows.z), least = load(rows.least);
     const PointVec normal_x = load(rows.normal_x), normal_y = load(rows.normal_y), normal_z = load(rows.normal_z);
     PointVec face = hn::Set(d, -1.0F), weight_y = zero, weight_z = zero, height = zero;
