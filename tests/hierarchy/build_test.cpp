@@ -253,7 +253,8 @@ TEST(BuildHierarchy, TellsItsProgress) {
     EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
     EXPECT_GE(shares.front(), 0.0);
     EXPECT_EQ(shares.back(), 1.0);
-    for (std::size_t i = 1; i < shares.size(); ++i) EXPECT_LT(shares[i] - shares[i - 1], 1.0 / 3);
+    // With several threads the system may let the caller rest while the others work.
+    for (std::size_t i = 1; threads == 1 && i < shares.size(); ++i) EXPECT_LT(shares[i] - shares[i - 1], 1.0 / 3);
   }
 }
 
