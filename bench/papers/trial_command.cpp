@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "hlod_device.h"
+#include "hlod_options.h"
 #include "option_values.h"
 #include "papers/trial_devices.h"
 
@@ -97,18 +98,8 @@ void add_trial_options(CLI::App& command, hlod::TrialOptions& options) {
              "nohc, batch: how probable it is that a box is covered by what is drawn: in-scene: where boxes lie at "
              "random in the part of the image that the scene covers; printed: in all of it, as in the paper, with the "
              "levels of a binary tree");
-  command
-      .add_option_function<std::string>(
-          "--within",
-          [&options](const std::string& way) {
-            options.geomorph = way == "geomorph";
-            options.within = way == "splits";
-          },
-          "Between two levels: geomorph: let vertices slide to where the parent has "
-          "them; splits, of HLODs that have them: refine nodes within where that is "
-          "enough")
-      ->transform(one_of({"none", "geomorph", "splits"}))
-      ->option_text("none|geomorph|splits [none]");
+  add_within(command, options.geomorph, options.within,
+             "splits, of HLODs that have them: refine nodes within where that is enough");
 }
 
 Json to_json(const hlod::TrialOptions& options) {

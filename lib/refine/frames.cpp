@@ -298,18 +298,8 @@ void SplitExchange::weigh_leaves(std::uint32_t object) {
   select(evaluation_.errors(object), {.all = Front::applied | Front::leaf, .none = Front::is_new | Front::hidden},
          found_);
   const Front& front = evaluation_.front(object);
-  std::erase_if(found_, [&](Front::Index k) { return (front.node(k).split + frame_) % weighing_rounds != 0; });
-  const Hierarchy& hierarchy = evaluation_.scene().hierarchy(object);
-  constexpr std::size_t ahead = 4;  // stars and nodes are not read in the order of memory
-  for (std::size_t i = 0; i < found_.size(); ++i) {
-    if (i + 3 * ahead < found_.size()) prefetch(&hierarchy.node(front.node(found_[i + 3 * ahead]).split));
-    if (i + 2 * ahead < found_.size())
-      prefetch(hierarchy.data().stars.data() + hierarchy.node(front.node(found_[i + 2 * ahead]).split).star);
-    if (i + ahead < found_.size())
-      for (const SplitId needed : star_of(hierarchy, front.node(found_[i + ahead]).split).dependencies())
-        front.prefetch_place(needed);
-    weigh_leaf(object, found_[i]);
-  }
+  for (const Front::Index k : found_)
+    if ((front.node(k).split + frame_) % weighing_rounds == 0) weigh_leaf(object, k);
 }
 
 void SplitExchange::weigh_leaf(std::uint32_t object, Front::Index k) {

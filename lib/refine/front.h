@@ -177,8 +177,6 @@ class Front {
   [[nodiscard]] std::size_t room() const noexcept { return nodes_.capacity(); }
   // Returns the index of s, or none.
   [[nodiscard]] Index find(SplitId s) const noexcept { return slots_[s] == 0 ? none : slots_[s] - 1; }
-  // Prefetches what find() reads.
-  void prefetch_place(SplitId s) const noexcept { prefetch(&slots_[s]); }
   // Returns the index of s, and adds its node if there is none. Throws Error when s is damaged.
   Index obtain(SplitId s);
   // Removes a node and moves the last one into its place.
