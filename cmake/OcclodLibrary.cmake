@@ -26,10 +26,11 @@ endfunction()
 # Exports what lies in namespace occlod, and nothing of fmt, tinygltf or the standard library that was compiled along; calls
 # inside the library go straight to their function. Done when linking, so that headers need no export macros and both kinds
 # of library are made of the same objects. Private parts are exported too, though their headers are not installed: the
-# tests, the viewer and the benchmarks use some of them.
+# tests, the viewer and the benchmarks use some of them. The library stays loaded once it has been: threads of its pool
+# may be in it when a plugin that uses it is unloaded.
 function(occlod_export_symbols target)
   set(script ${PROJECT_SOURCE_DIR}/lib/exports.map)
-  set(options LINKER:--version-script=${script} LINKER:-Bsymbolic-functions)
+  set(options LINKER:--version-script=${script} LINKER:-Bsymbolic-functions LINKER:-z,nodelete)
   include(CheckLinkerFlag)
   check_linker_flag(CXX "${options}" OCCLOD_LINKER_CHOOSES_EXPORTS)
   if(OCCLOD_LINKER_CHOOSES_EXPORTS)
