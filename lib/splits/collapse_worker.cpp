@@ -115,14 +115,13 @@ Collapse& CollapseMemory::add(std::span<const LevelFace> ended, StarShape shape)
 
 // Each face of a manifold fan has its own place, so threads do not conflict; elsewhere two faces may share a place, and
 // those stars are stored as lists.
-void CollapseRecords::add(std::size_t block, Collapse& collapse, std::span<const LevelFace> ended) {
+void CollapseRecords::add(std::size_t block, CollapseId id, Collapse& collapse, std::span<const LevelFace> ended) {
   BlockRecord& record = records_[block];
-  const auto id = static_cast<CollapseId>(first_id(block) + record.collapses.size());
-  record.collapses.push_back(&collapse);
+  collapses_[id] = &collapse;
   for (std::uint32_t slot = 0; slot < ended.size(); ++slot) {
     const LevelFace& face = ended[slot];
     if (face.made_by == no_id) continue;
-    Collapse& maker = *this->collapse(face.made_by);
+    Collapse& maker = *collapses_[face.made_by];
     const std::uint32_t place = slot < 256 ? find_slot(maker, face.corners) : maker.ended_count();
     if (place < maker.ended_count())
       maker.set_successor(place, {id, slot});
@@ -138,13 +137,16 @@ constexpr float round_up = 1.0F + 1e-6F;
 // Attributes are evaluated for at most this many neighbours of a vertex; only hubs of large wheels have more.
 constexpr std::size_t max_evaluated = 32;
 
+void raise(VertexRecord& record, const VertexRecord& least) {
+  record = {std::max(record.error, least.error), std::max(record.rank, least.rank)};
+}
+
 }  // namespace
 
 void CollapseWorker::start(const Block& block) {
   block_ = &block;
   merges_.clear();
   made_.clear();
-  ranks_.clear();
   ended_.clear();
   corners_.clear();
   wedge_merges_.clear();
@@ -154,6 +156,7 @@ void CollapseWorker::start(const Block& block) {
   for (std::uint32_t i = 0; i < block.vertices.size(); ++i) {
     if (i + ahead < block.vertices.size()) {
       prefetch(&state_.vertices[block.vertices[i + ahead]]);
+      state_.mesh.prefetch_place(block.vertices[i + ahead]);
       state_.mesh.prefetch(block.vertices[i + ahead / 2]);
     }
     if (const float cost = state_.vertices[block.vertices[i]].cost; cost <= block.threshold) queue_.push(i, cost);
@@ -187,7 +190,7 @@ void CollapseWorker::prefetch_next() const {
 // Sets the cost of a vertex of the block, and queues the vertex if the cost is within the threshold.
 void CollapseWorker::set_cost(VertexId v, float cost) {
   state_.vertices[v].cost = cost;
-  const std::uint32_t item = state_.turns[v].place - block_->first_turn;
+  const std::uint32_t item = state_.vertices[v].place - block_->first_place;
   queue_.remove(item);
   if (cost <= block_->threshold) queue_.push(item, cost);
 }
@@ -209,8 +212,9 @@ void CollapseWorker::consider(VertexId v) {
 }
 
 bool CollapseWorker::in_block(std::span<const VertexId> vertices) const {
-  return std::all_of(vertices.begin(), vertices.end(),
-                     [&](VertexId w) { return state_.turns[w].place - block_->first_turn < block_->vertices.size(); });
+  return std::all_of(vertices.begin(), vertices.end(), [&](VertexId w) {
+    return state_.vertices[w].place - block_->first_place < block_->vertices.size();
+  });
 }
 
 // Returns the cheapest collapse that the rules allow; if they allow none, the cheapest that breaks the topology.
@@ -342,8 +346,8 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
       moved = longest_edge(std::span(ended_).subspan(first_ended));
       error = std::max(error, moved);
     }
-    made_.push_back({v, u, first_ended, error, moved, choice.keeps_topology, attribute_error, first_corners});
-    rank(v, choice, ring);
+    made_.push_back(
+        {v, u, first_ended, error, moved, choice.keeps_topology, choice.cost, attribute_error, first_corners});
   } else {
     ended_.clear();
     corners_.clear();
@@ -392,27 +396,28 @@ void CollapseWorker::finish() {
     record.merges = merges_;
     return;
   }
-  record.collapses.reserve(made_.size());
+  const CollapseId first = CollapseRecords::first_id(block_->record);
+  record.ranks.reserve(made_.size());
   const float to_object = round_up / state_.scale;
   for (std::size_t i = 0; i < made_.size(); ++i) {
     const Made& made = made_[i];
     const std::span<LevelFace> ended = ended_by(i);
     prefetch_makers(i);
-    const float after = pass_on_errors(made, ended);
     const StarShape shape = shape_of(made.v, ended);
+    const VertexRecord reached = raise_ring(made, ended, shape);
     Collapse& collapse = memory_.add(ended, shape);
     collapse.v = made.v;
     collapse.u = made.u;
     collapse.error = scaled_up(made.error, to_object);
-    collapse.guaranteed_error = scaled_up(after, to_object);
+    collapse.guaranteed_error = scaled_up(reached.error, to_object);
     collapse.moved = scaled_up(made.moved, to_object);
-    records_.add(block_->record, collapse, ended);
+    record.ranks.push_back(reached.rank);
+    records_.add(block_->record, first + static_cast<CollapseId>(i), collapse, ended);
     if (state_.attributes != nullptr) {
       record_corners(i, ended, record);
       record.attribute_errors.push_back(scaled_up(made.attribute_error, to_object));
     }
   }
-  record.ranks = ranks_;
   record.wedge_merges = wedge_merges_;
 }
 
@@ -451,38 +456,28 @@ void CollapseWorker::prefetch_makers(std::size_t i) {
       if (face.made_by < CollapseRecords::first_id(block_->record)) visit(records_.collapse(face.made_by));
   };
   for_each_maker(i + 2 * ahead, [](Collapse* const& place) { prefetch(&place); });
-  for_each_maker(i + ahead, [](Collapse* const& place) { prefetch(place); });
+  for_each_maker(i + ahead, [](Collapse* const& place) {
+    prefetch(place);
+    prefetch(reinterpret_cast<const std::byte*>(place) + 64);  // the successors
+  });
 }
 
-// Sets the error of the faces that a collapse makes: the largest error of the faces that it ends, plus how far it moves
-// the surface. Each ring vertex is a corner of an ended face and has one of the new faces. Returns their error.
-float CollapseWorker::pass_on_errors(const Made& made, std::span<const LevelFace> ended) {
-  float before = state_.vertices[made.v].error;
-  // Faces onto which others were folded lie at the ring.
+// Raises what is recorded of the ring to what the collapse reaches, and returns that. The error of the faces that it
+// makes is the largest of those that it ends, plus how far it moves the surface: each ring vertex is a corner of an
+// ended face and has one of the new faces. Its rank must not be less than the ranks of the collapses it depends on,
+// each of which had v in its ring: it made faces there, or has a corner that this one needs. Faces onto which others
+// are folded are not at v, but all their corners are in its ring.
+VertexRecord CollapseWorker::raise_ring(const Made& made, std::span<const LevelFace> ended, StarShape shape) {
+  VertexRecord reached = state_.records[made.v];
   if (!made.keeps_topology)
     for (const LevelFace& face : ended)
-      for (int k = 0; k < 3; ++k) before = std::max(before, state_.vertices[face.corners[k]].error);
-  const float after = (before + made.moved) * round_up;
-  const auto raise = [&](VertexId w) {
-    float& error = state_.vertices[w].error;
-    error = std::max(error, after);
-  };
+      for (int k = 0; k < 3; ++k) raise(reached, state_.records[face.corners[k]]);
+  reached = {(reached.error + made.moved) * round_up, std::max(made.cost, reached.rank)};
   for (const LevelFace& face : ended) {
-    raise(face.corners.y);
-    raise(face.corners.z);
+    raise(state_.records[face.corners.y], reached);
+    if (shape != StarShape::closed_fan) raise(state_.records[face.corners.z], reached);
   }
-  return after;
-}
-
-// Updates the rank of the collapse, which must not be less than the ranks of the collapses it depends on. Each of these
-// had the vertex in its ring: it made faces there, or has a corner that this one needs. Faces onto which others are
-// folded are not at v, but all their corners are in its ring.
-void CollapseWorker::rank(VertexId v, const Choice& choice, std::span<const VertexId> ring) {
-  float rank = std::max(choice.cost, state_.turns[v].rank);
-  if (!choice.keeps_topology)
-    for (const VertexId w : ring) rank = std::max(rank, state_.turns[w].rank);
-  for (const VertexId w : ring) state_.turns[w].rank = std::max(state_.turns[w].rank, rank);
-  ranks_.push_back(rank);
+  return reached;
 }
 
 // Updates ring vertex w after a collapse into u. It has lost one neighbour, which leaves its cost a valid lower bound,

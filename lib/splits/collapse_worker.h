@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/memory.h"
 #include "splits/attribute_state.h"
 #include "splits/collapse_rules.h"
 #include "splits/fan.h"
@@ -90,8 +91,7 @@ struct VertexMerge {
 
 struct BlockRecord {
   std::vector<VertexMerge> merges;  // in order, instead of all else but faces_gone, where collapses are not wanted
-  std::vector<Collapse*> collapses;
-  std::vector<float> ranks;  // per collapse: its cost, at least that of any collapse it depends on
+  std::vector<float> ranks;         // per collapse: its cost, at least that of any collapse it depends on
   std::vector<MisplacedFace> misplaced;
   // Per collapse, where attributes count: its attribute error, and where the wedges of the faces that it ended begin.
   std::vector<float> attribute_errors;
@@ -108,7 +108,11 @@ class CollapseRecords {
  public:
   static constexpr std::size_t block_size = 8192;
 
-  void resize(std::size_t blocks) { records_.resize(blocks); }
+  // Makes room for so many blocks, the last of them with at most this many collapses.
+  void resize(std::size_t blocks, std::size_t last_size) {
+    records_.resize(blocks);
+    collapses_.resize(blocks == 0 ? 0 : first_id(blocks - 1) + last_size);
+  }
   [[nodiscard]] std::size_t size() const noexcept { return records_.size(); }
   [[nodiscard]] BlockRecord& operator[](std::size_t block) noexcept { return records_[block]; }
   [[nodiscard]] const BlockRecord& operator[](std::size_t block) const noexcept { return records_[block]; }
@@ -116,19 +120,19 @@ class CollapseRecords {
     return static_cast<CollapseId>(block * block_size);
   }
   // Returns an upper bound: all ids are smaller.
-  [[nodiscard]] std::size_t end_id() const noexcept {
-    return records_.empty() ? 0 : first_id(size() - 1) + records_.back().collapses.size();
+  [[nodiscard]] std::size_t end_id() const noexcept { return collapses_.size(); }
+  [[nodiscard]] Collapse* const& collapse(CollapseId id) const noexcept { return collapses_[id]; }
+  // Returns the collapses of a block that is finished.
+  [[nodiscard]] std::span<Collapse* const> collapses(std::size_t block) const noexcept {
+    return std::span<Collapse* const>(collapses_).subspan(first_id(block), records_[block].ranks.size());
   }
-  [[nodiscard]] Collapse* const& collapse(CollapseId id) const noexcept {
-    const std::size_t block = std::min(id / block_size, size() - 1);
-    return records_[block].collapses[id - first_id(block)];
-  }
-  // Adds a collapse to the record of this block, given the faces that it ended. The faces in whose place those were
-  // made are updated to name this collapse.
-  void add(std::size_t block, Collapse& collapse, std::span<const LevelFace> ended);
+  // Adds a collapse with this id to the record of its block, given the faces that it ended. The faces in whose place
+  // those were made are updated to name this collapse.
+  void add(std::size_t block, CollapseId id, Collapse& collapse, std::span<const LevelFace> ended);
 
  private:
   std::vector<BlockRecord> records_;
+  UninitializedVector<Collapse*> collapses_;  // by id
 };
 
 // Returns the shape of the faces that one collapse of v ended, and sorts them into ring order if they form one fan.
@@ -137,11 +141,11 @@ class CollapseRecords {
 // Simplifies one block of vertices greedily, up to a cost threshold.
 
 struct Block {
-  std::span<const VertexId> vertices;
-  std::uint32_t first_turn = 0;  // ids ascend from here
-  std::size_t record = 0;        // record that receives its collapses
-  float threshold = 0.0F;        // collapses that cost at most this are made, cheapest first
-  std::size_t stop_after = 0;    // ends early when this many faces are gone
+  std::span<VertexId> vertices;
+  std::uint32_t first_place = 0;  // ids ascend from here
+  std::size_t record = 0;         // record that receives its collapses
+  float threshold = 0.0F;         // collapses that cost at most this are made, cheapest first
+  std::size_t stop_after = 0;     // ends early when this many faces are gone
 };
 
 class CollapseWorker {
@@ -173,6 +177,7 @@ class CollapseWorker {
     float error = 0.0F;
     float moved = 0.0F;  // for a fan: set once its batch has been computed
     bool keeps_topology = false;
+    float cost = 0.0F;
     float attribute_error = 0.0F;
     std::size_t first_corners = 0;  // index into corners_
   };
@@ -206,8 +211,7 @@ class CollapseWorker {
   [[nodiscard]] float movement(const Choice& choice, bool is_fan);
   void compute_movements(Batch& batch);
   void collapse(VertexId v, const Choice& choice, std::span<const VertexId> ring, float moved);
-  float pass_on_errors(const Made& made, std::span<const LevelFace> ended);
-  void rank(VertexId v, const Choice& choice, std::span<const VertexId> ring);
+  VertexRecord raise_ring(const Made& made, std::span<const LevelFace> ended, StarShape shape);
   void update(VertexId w, VertexId u);
   [[nodiscard]] float longest_edge(std::span<const LevelFace> faces) const;
 
@@ -221,7 +225,6 @@ class CollapseWorker {
   const Block* block_ = nullptr;
   std::vector<VertexMerge> merges_;
   std::vector<Made> made_;
-  std::vector<float> ranks_;
   std::vector<LevelFace> ended_;
   AttributeStar attributes_;
   std::vector<CornerFace> corners_;  // ended faces with a wedge that is not its vertex's first

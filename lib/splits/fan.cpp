@@ -17,7 +17,7 @@ bool Fan::gather(const StarMesh& mesh, VertexId v) {
   vertex_ = v;
   size_ = star.size();
   if (!star.is_ring() || size_ > max_neighbours) return false;
-  padded_ = (size_ + 3) & ~std::size_t{3};
+  padded_ = (size_ + 7) & ~std::size_t{7};
   const auto ring = star.ring();
   for (std::size_t i = 0; i < size_; ++i) ring_[i] = ring[i];
   for (std::size_t i = size_; i < padded_; ++i) ring_[i] = no_id;

@@ -78,7 +78,8 @@ struct VertexQuadric {
 // Handles the most common vertex fast: one closed fan of faces, all wound alike, none at a feature edge.
 
 // Holds the ring of neighbours of such a vertex, in order, and the data that its collapses share. Positions are
-// relative to the vertex. Each coordinate has its own array, padded to a multiple of four, so that loops vectorize.
+// relative to the vertex. Each coordinate has its own array, padded to a multiple of eight, so that loops vectorize and
+// most have one length.
 class Fan {
  public:
   static constexpr std::size_t max_neighbours = 24;
@@ -115,12 +116,12 @@ class Fan {
 
   [[nodiscard]] std::size_t after(std::size_t i) const noexcept { return i + 1 == size_ ? 0 : i + 1; }
   [[nodiscard]] std::size_t before(std::size_t i) const noexcept { return i == 0 ? size_ - 1 : i - 1; }
-  // the mask shows compilers a multiple of four
-  [[nodiscard]] std::size_t columns() const noexcept { return padded_ & ~std::size_t{3}; }
+  // the mask shows compilers a multiple of eight
+  [[nodiscard]] std::size_t columns() const noexcept { return padded_ & ~std::size_t{7}; }
 
   VertexId vertex_ = no_id;
   std::size_t size_ = 0;
-  std::size_t padded_ = 0;  // size_, rounded up to a multiple of four
+  std::size_t padded_ = 0;  // size_, rounded up to a multiple of eight
   std::array<VertexId, max_neighbours> ring_{};
   alignas(16) Row x_{}, y_{}, z_{};                       // ring()[i] - v
   alignas(16) Row normal_x_{}, normal_y_{}, normal_z_{};  // of the face between ring i and i + 1, twice its area long

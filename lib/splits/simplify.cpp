@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/memory.h"
+#include "base/platform.h"
 #include "base/threads.h"
 #include "splits/build_progress.h"
 #include "splits/collapse_worker.h"
@@ -49,7 +50,7 @@ void join_attributes(CollapseRecords& records, const UninitializedVector<Keyed>&
     const CollapseId first = CollapseRecords::first_id(block);
     sequence.corner_memory.push_back(std::move(record.corners));
     const std::vector<EndedCorners>& corners = sequence.corner_memory.back();
-    for (std::size_t i = 0; i < record.collapses.size(); ++i) {
+    for (std::size_t i = 0; i < record.first_corners.size(); ++i) {
       const std::size_t begin = record.first_corners[i];
       const std::size_t end = i + 1 < record.first_corners.size() ? record.first_corners[i + 1] : corners.size();
       sequence.attributes[sequence.places[first + i]] = {record.attribute_errors[i],
@@ -80,7 +81,7 @@ void join_records(CollapseRecords& records, CollapseSequence& sequence, unsigned
     sequence.misplaced.insert(sequence.misplaced.end(), misplaced.begin(), misplaced.end());
   }
   join_attributes(records, order, sequence);
-  records.resize(0);
+  records.resize(0, 0);
 }
 
 // Number of vertices in a block: large enough for a good order, small enough for a cache. Once no more are left, the
@@ -122,7 +123,7 @@ class Simplifier {
         live_faces_(mesh.triangle_count()) {
     live_.reserve(mesh.vertex_count());
     for (VertexId v = 0; v < mesh.vertex_count(); ++v) live_.push_back(v);
-    drop_dead();
+    live_.resize(keep_living(live_));
     for (unsigned i = 0; i < threads_; ++i) workers_.push_back(std::make_unique<CollapseWorker>(*state_, records_));
   }
 
@@ -153,13 +154,12 @@ class Simplifier {
   void collapse() {
     for (std::size_t pass = 0; many_left(); ++pass) {
       if (pass > 0) sort_live(pass);
+      const std::size_t before = live_.size();
       const std::size_t made =
           run_pass(make_blocks(block_size, threshold(), std::max(2 * options_.base_triangles, live_faces_ / 16)));
-      if (static_cast<double>(made) < min_progress * static_cast<double>(live_.size())) break;
-      drop_dead();
+      if (static_cast<double>(made) < min_progress * static_cast<double>(before)) break;
     }
     // Run down to the base mesh, however long it takes: each run ends with a block that is exhausted or small enough.
-    drop_dead();
     if (live_faces_ > options_.base_triangles)
       run_pass(make_blocks(live_.size(), std::numeric_limits<float>::max(), options_.base_triangles));
   }
@@ -184,7 +184,6 @@ class Simplifier {
     std::vector<glm::vec3> result(target.size(), glm::vec3(0.0F));
     std::vector<std::uint8_t> is_mixed(target.size(), 0);
     bool any = false;
-    drop_dead();
     for (const VertexId v : live_) {
       VertexQuadric& quadric = state_->vertices[v].quadric;
       const bool is_pure = quadric.xx + quadric.yy + quadric.zz <= rounding * quadric.weight;
@@ -221,28 +220,34 @@ class Simplifier {
 
   // Makes blocks of `size` vertices that together leave `least` faces: each may remove its share of the others.
   [[nodiscard]] std::vector<Block> make_blocks(std::size_t size, float threshold, std::size_t least) {
-    for_each_id(live_.size(), threads_, [&](std::uint32_t i) { state_->turns[live_[i]].place = i; });
+    for_each_id(live_.size(), threads_, [&](std::uint32_t i) {
+      constexpr std::uint32_t ahead = 16;
+      if (i + ahead < live_.size()) prefetch(&state_->vertices[live_[i + ahead]].place);
+      state_->vertices[live_[i]].place = i;
+    });
     const double share =
         static_cast<double>(live_faces_ - std::min(live_faces_, least)) / static_cast<double>(live_.size());
     std::vector<Block> blocks;
     for (std::size_t begin = 0; begin < live_.size(); begin += size) {
-      const auto vertices = std::span<const VertexId>(live_).subspan(begin, std::min(size, live_.size() - begin));
+      const auto vertices = std::span(live_).subspan(begin, std::min(size, live_.size() - begin));
       blocks.push_back({vertices, static_cast<std::uint32_t>(begin), records_.size() + blocks.size(), threshold,
                         static_cast<std::size_t>(std::ceil(share * static_cast<double>(vertices.size())))});
     }
     return blocks;
   }
 
-  // Returns the number of collapses made.
+  // Leaves only vertices that still have faces in live_. Returns the number of collapses made.
   std::size_t run_pass(const std::vector<Block>& blocks) {
     const std::size_t first_record = records_.size();
-    records_.resize(first_record + blocks.size());
+    records_.resize(first_record + blocks.size(), blocks.back().vertices.size());
+    std::vector<std::size_t> kept(blocks.size());
     std::atomic<std::size_t> next = 0;
     const auto work = [&](CollapseWorker& worker, const auto& go_on) {
       try {
         for (std::size_t i = next++; i < blocks.size() && !progress_.is_cancelled(); i = next++) {
           worker.run(blocks[i], go_on);
           faces_gone_ += records_[blocks[i].record].faces_gone;
+          kept[i] = keep_living(blocks[i].vertices);
         }
       } catch (...) {
         next = blocks.size();  // otherwise the other threads would run to the end
@@ -258,16 +263,22 @@ class Simplifier {
       else
         work(*workers_[number], heed);
     });
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      for (const VertexId v : blocks[i].vertices.first(kept[i])) live_[left++] = v;
+    live_.resize(left);
     std::size_t made = 0;
     for (std::size_t i = first_record; i < records_.size(); ++i) {
       live_faces_ -= records_[i].faces_gone;
-      made += std::max(records_[i].collapses.size(), records_[i].merges.size());
+      made += std::max(records_[i].ranks.size(), records_[i].merges.size());
     }
     return made;
   }
 
-  void drop_dead() {
-    std::erase_if(live_, [&](VertexId v) { return state_->mesh.star(v).empty(); });
+  // Moves the vertices that have faces to the front. Returns their number.
+  [[nodiscard]] std::size_t keep_living(std::span<VertexId> vertices) const {
+    const auto is_dead = [&](VertexId v) { return state_->mesh.star(v).empty(); };
+    return static_cast<std::size_t>(std::remove_if(vertices.begin(), vertices.end(), is_dead) - vertices.begin());
   }
 
   // Returns the corners of the base faces. StarMesh lists faces by their smallest corners, in the order of these

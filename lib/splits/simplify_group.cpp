@@ -88,11 +88,10 @@ class GroupWedges {
 };
 
 // Returns the error of each collapse, including its attribute deviation where attributes count.
-std::vector<float> errors_of(const BlockRecord& record, bool with_attributes) {
+std::vector<float> errors_of(std::span<Collapse* const> collapses, const BlockRecord& record, bool with_attributes) {
   std::vector<float> errors;
-  for (std::size_t i = 0; i < record.collapses.size(); ++i)
-    errors.push_back(with_attributes ? std::max(record.collapses[i]->error, record.attribute_errors[i])
-                                     : record.collapses[i]->error);
+  for (std::size_t i = 0; i < collapses.size(); ++i)
+    errors.push_back(with_attributes ? std::max(collapses[i]->error, record.attribute_errors[i]) : collapses[i]->error);
   return errors;
 }
 
@@ -159,22 +158,23 @@ SimplifiedGroup simplify_group(const TriangleMesh& mesh, std::span<const std::ui
   SimplifyState state(mesh, setup, ProgressPart{progress});
   std::vector<VertexId> all(mesh.vertex_count());
   std::iota(all.begin(), all.end(), 0U);
-  for (const VertexId v : all) state.turns[v].place = v;
 
   CollapseRecords records;
-  records.resize(1);
+  records.resize(1, all.size());
   CollapseWorker worker(state, records);
   const std::size_t count = mesh.triangle_count();
   const Block block{all, 0, 0, target.max_cost, count - std::min(count, target.min_triangles)};
   worker.run(block, [](std::size_t) { return true; });
   const BlockRecord& record = records[0];
+  const std::span<Collapse* const> collapses = records.collapses(0);
 
   SimplifiedGroup result;
-  const std::vector<float> errors = errors_of(record, state.attributes != nullptr && target.attribute_weight > 0.0);
+  const std::vector<float> errors =
+      errors_of(collapses, record, state.attributes != nullptr && target.attribute_weight > 0.0);
   for (const float error : errors) result.error = std::max(result.error, error);
   GroupWedges wedges(mesh);
   std::size_t next = 0;
-  for (const Collapse* const collapse : record.collapses) {
+  for (const Collapse* const collapse : collapses) {
     const std::size_t first = next;
     while (next < record.wedge_merges.size() && record.wedge_merges[next].v == collapse->v) ++next;
     wedges.collapse(collapse->v, collapse->u, std::span(record.wedge_merges).subspan(first, next - first));
@@ -184,7 +184,7 @@ SimplifiedGroup simplify_group(const TriangleMesh& mesh, std::span<const std::ui
   list_faces(state, has_seams, wedges, result);
   result.merged_into = wedges.final_targets();
   if (target.keeps_collapses && !wedges.is_split())
-    result.collapses = saturated(record.collapses, errors, wedges, mesh.vertex_count());
+    result.collapses = saturated(collapses, errors, wedges, mesh.vertex_count());
   result.added = wedges.added();
   return result;
 }

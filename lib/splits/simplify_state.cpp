@@ -25,14 +25,14 @@ SimplifyState::SimplifyState(const TriangleMesh& input, const SimplifySetup& set
       locked(setup.locked),
       vertices(input.vertex_count()),
       mesh(input.triangles, input.vertex_count(), setup.threads),
-      turns(input.vertex_count()),
+      records(input.vertex_count()),
       attribute_weight2(static_cast<float>(setup.attribute_weight * setup.attribute_weight)),
       keeps_wedge_merges(setup.keeps_wedge_merges),
       keeps_collapses(setup.keeps_collapses) {
   if (setup.keeps_attributes && has_wedge_attributes(input))
     attributes = std::make_unique<AttributeState>(input, scale);
   for_each_id(vertices.size(), setup.threads, [&](VertexId v) {
-    vertices[v] = {input.positions[v] * scale, infinity, 0.0F, {}};
+    vertices[v] = {input.positions[v] * scale, infinity, v, {}};
   });
   const ProgressPart part{progress.progress, progress.first, progress.last, static_cast<double>(vertices.size())};
   for_each_range(

@@ -18,15 +18,16 @@ namespace occlod {
 // Holds the fields of a vertex that are read together. All lengths are in the state's scale.
 struct alignas(64) VertexState {
   glm::vec3 position;
-  float cost;   // of the cheapest collapse; a lower bound until checked; infinite without faces
-  float error;  // distance of the worst face at the vertex from the input
+  float cost;           // of the cheapest collapse; a lower bound until checked; infinite without faces
+  std::uint32_t place;  // index in the order of the current pass
   VertexQuadric quadric;
 };
 static_assert(sizeof(VertexState) == 64, "one cache line");
 
-struct Turn {
-  std::uint32_t place = 0;  // index in the order of the current pass
-  float rank = 0.0F;        // the largest of any collapse that had the vertex in its ring
+// Holds what is recorded of a vertex that has been in the ring of collapses.
+struct VertexRecord {
+  float error = 0.0F;  // distance of the worst face at the vertex from the input, in the state's scale
+  float rank = 0.0F;   // the largest of any of these collapses
 };
 
 // Configures a SimplifyState.
@@ -49,7 +50,7 @@ struct SimplifyState {
   std::span<const std::uint8_t> locked;
   UninitializedVector<VertexState> vertices;
   StarMesh mesh;
-  LargeVector<Turn> turns;
+  LargeVector<VertexRecord> records;
   std::unique_ptr<AttributeState> attributes;  // null: attributes do not count
   float attribute_weight2 = 1.0F;              // weight of squared deviations
   bool keeps_wedge_merges = false;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <mutex>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -85,6 +86,23 @@ bool chain_by_sorting(std::span<StarFace> faces) {
 }
 
 constexpr std::uint32_t first_capacity = 8;  // with as many CollapseIds this fills one cache line
+
+// Calls visit with `capacity` as a constant, if it is one of the two usual ones, whose loops compilers can unroll and
+// vectorize. Returns whether it is.
+template <typename Visit>
+bool with_usual_capacity(std::uint32_t capacity, const Visit& visit) {
+  if (capacity == first_capacity) return visit(std::integral_constant<std::uint32_t, first_capacity>()), true;
+  if (capacity == 2 * first_capacity) return visit(std::integral_constant<std::uint32_t, 2 * first_capacity>()), true;
+  return false;
+}
+
+// Moves the items behind index `at` one place to the front. Avoids branches.
+template <std::uint32_t capacity>
+void remove_item(std::uint32_t* items, std::uint32_t at) {
+  std::array<std::uint32_t, capacity - 1> left;
+  for (std::uint32_t k = 0; k + 1 < capacity; ++k) left[k] = k >= at ? items[k + 1] : items[k];
+  std::copy(left.begin(), left.end(), items);
+}
 
 // Calls visit(v, next, last) for each corner of each face, where next and last are the other corners in winding order.
 // Each thread goes through all faces and handles the vertices of its part.
@@ -279,13 +297,12 @@ void StarMesh::replace_in_list(Place& place, VertexId v, VertexId u, CollapseId 
 std::uint32_t StarMesh::find_in_ring(VertexId w, VertexId v, StarArena& arena) const noexcept {
   const Place& place = places_[w];
   std::uint32_t at = 0;
-  if (place.capacity == first_capacity) {
-    for (std::uint32_t k = 0; k < first_capacity; ++k) at |= ((place.ids[k] == v) & (k < place.size)) ? k : 0U;
-  } else {
-    std::uint32_t& hint = arena.hints[w % arena.hints.size()];
-    at = hint = position_near({place.ids, place.size}, v, hint);
-  }
-  return at;
+  const bool is_found = with_usual_capacity(place.capacity, [&](auto capacity) {
+    for (std::uint32_t k = 0; k < capacity; ++k) at |= ((place.ids[k] == v) & (k < place.size)) ? k : 0U;
+  });
+  if (is_found) return at;
+  std::uint32_t& hint = arena.hints[w % arena.hints.size()];
+  return hint = position_near({place.ids, place.size}, v, hint);
 }
 
 // Replaces the neighbour at index `at` of a ring by u.
@@ -302,16 +319,11 @@ void StarMesh::remove_from_ring(Place& place, std::uint32_t at, CollapseId id) n
   std::uint32_t* const made_by = ids + place.capacity;
   made_by[at == 0 ? place.size - 1 : at - 1] = id;
   --place.size;
-  if (place.capacity == first_capacity) {
-    std::array<std::uint32_t, first_capacity - 1> new_ids, new_made_by;
-    for (std::uint32_t k = 0; k + 1 < first_capacity; ++k) {
-      new_ids[k] = k >= at ? ids[k + 1] : ids[k];
-      new_made_by[k] = k >= at ? made_by[k + 1] : made_by[k];
-    }
-    std::copy(new_ids.begin(), new_ids.end(), ids);
-    std::copy(new_made_by.begin(), new_made_by.end(), made_by);
-    return;
-  }
+  const bool is_removed = with_usual_capacity(place.capacity, [&](auto capacity) {
+    remove_item<capacity>(ids, at);
+    remove_item<capacity>(made_by, at);
+  });
+  if (is_removed) return;
   std::copy(ids + at + 1, ids + place.size + 1, ids + at);
   std::copy(made_by + at + 1, made_by + place.size + 1, made_by + at);
 }
