@@ -328,6 +328,7 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
   const auto id = static_cast<CollapseId>(CollapseRecords::first_id(block_->record) + merges_.size());
   const std::size_t first_ended = ended_.size(), first_corners = corners_.size();
   const float deviation2 = state_.attributes != nullptr ? attributes_.settle(u) : 0.0F;
+  const bool is_ring = choice.keeps_topology && state_.mesh.star(v).is_ring();
   last_gone_ = state_.mesh.collapse(v, u, id, !choice.keeps_topology, arena_, ended_);
   faces_gone_ += last_gone_;
   merges_.push_back({v, u});
@@ -347,7 +348,7 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
       error = std::max(error, moved);
     }
     made_.push_back(
-        {v, u, first_ended, error, moved, choice.keeps_topology, choice.cost, attribute_error, first_corners});
+        {v, u, first_ended, error, moved, choice.keeps_topology, is_ring, choice.cost, attribute_error, first_corners});
   } else {
     ended_.clear();
     corners_.clear();
@@ -403,7 +404,8 @@ void CollapseWorker::finish() {
     const Made& made = made_[i];
     const std::span<LevelFace> ended = ended_by(i);
     prefetch_makers(i);
-    const StarShape shape = shape_of(made.v, ended);
+    const StarShape shape = made.is_ring && ended.size() <= SplitStar::max_ring ? StarShape::closed_fan  // as it is
+                                                                                : shape_of(made.v, ended);
     const VertexRecord reached = raise_ring(made, ended, shape);
     Collapse& collapse = memory_.add(ended, shape);
     collapse.v = made.v;
@@ -450,10 +452,12 @@ std::span<LevelFace> CollapseWorker::ended_by(std::size_t i) {
 // Prefetches the makers, because collapses of earlier passes are scattered in memory.
 void CollapseWorker::prefetch_makers(std::size_t i) {
   constexpr std::size_t ahead = 4;
+  const CollapseId first = CollapseRecords::first_id(block_->record);
   const auto for_each_maker = [&](std::size_t later, const auto& visit) {
-    if (later >= made_.size()) return;
+    if (later >= made_.size() || first == 0) return;
+    // Visits the first collapse in the place of faces without an earlier one, instead of branching.
     for (const LevelFace& face : ended_by(later))
-      if (face.made_by < CollapseRecords::first_id(block_->record)) visit(records_.collapse(face.made_by));
+      visit(records_.collapse(face.made_by & (0U - CollapseId{face.made_by < first})));
   };
   for_each_maker(i + 2 * ahead, [](Collapse* const& place) { prefetch(&place); });
   for_each_maker(i + ahead, [](Collapse* const& place) {

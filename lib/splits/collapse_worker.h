@@ -177,6 +177,7 @@ class CollapseWorker {
     float error = 0.0F;
     float moved = 0.0F;  // for a fan: set once its batch has been computed
     bool keeps_topology = false;
+    bool is_ring = false;  // whether the faces that ended are a closed fan, in order
     float cost = 0.0F;
     float attribute_error = 0.0F;
     std::size_t first_corners = 0;  // index into corners_

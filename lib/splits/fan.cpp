@@ -10,6 +10,14 @@ namespace {
 constexpr float min_cos_turn = 0.25F;
 constexpr float min_sin2_corner = 1e-11F;
 
+// As many zeros as a ring can have vertices, then ones in every bit.
+constexpr auto behind_ring = [] {
+  std::array<VertexId, 2 * Fan::max_neighbours> masks{};
+  for (std::size_t i = Fan::max_neighbours; i < masks.size(); ++i) masks[i] = no_id;
+  return masks;
+}();
+static_assert(no_id == ~VertexId{0});
+
 }  // namespace
 
 bool Fan::gather(const StarMesh& mesh, VertexId v) {
@@ -19,8 +27,15 @@ bool Fan::gather(const StarMesh& mesh, VertexId v) {
   if (!star.is_ring() || size_ > max_neighbours) return false;
   padded_ = (size_ + 7) & ~std::size_t{7};
   const auto ring = star.ring();
-  for (std::size_t i = 0; i < size_; ++i) ring_[i] = ring[i];
-  for (std::size_t i = size_; i < padded_; ++i) ring_[i] = no_id;
+  // Whole vectors of the star are read, and what lies behind the ring is masked: the length of a loop that changes from
+  // star to star cannot be predicted.
+  const VertexId* const ids = ring.data();
+  const VertexId* const beyond = behind_ring.data() + (max_neighbours - size_);
+  const VertexId first = ids[0];
+  for (std::size_t i = 0; i < columns(); ++i) {
+    ring_[i] = ids[i] | beyond[i];
+    around_[i] = (ids[i] & ~beyond[i]) | (first & beyond[i]);
+  }
   return true;
 }
 

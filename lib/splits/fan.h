@@ -121,8 +121,9 @@ class Fan {
 
   VertexId vertex_ = no_id;
   std::size_t size_ = 0;
-  std::size_t padded_ = 0;  // size_, rounded up to a multiple of eight
-  std::array<VertexId, max_neighbours> ring_{};
+  std::size_t padded_ = 0;                                // size_, rounded up to a multiple of eight
+  std::array<VertexId, max_neighbours> ring_{};           // padded with no_id
+  std::array<VertexId, max_neighbours> around_{};         // padded with its first vertex
   alignas(16) Row x_{}, y_{}, z_{};                       // ring()[i] - v
   alignas(16) Row normal_x_{}, normal_y_{}, normal_z_{};  // of the face between ring i and i + 1, twice its area long
   alignas(16) Row area2_{};                               // squared lengths of these normals
@@ -132,17 +133,15 @@ class Fan {
 template <typename PositionOf>
 void Fan::measure_offsets(const PositionOf& position_of) {
   const glm::vec3 origin = position_of(vertex_);
-  for (std::size_t i = 0; i < size_; ++i) {
-    const glm::vec3& p = position_of(ring_[i]);
+  for (std::size_t i = 0; i < columns(); ++i) {
+    const glm::vec3& p = position_of(around_[i]);
     x_[i] = p.x - origin.x;
     y_[i] = p.y - origin.y;
     z_[i] = p.z - origin.z;
   }
-  for (std::size_t i = size_; i <= padded_; ++i) {
-    x_[i] = x_[0];
-    y_[i] = y_[0];
-    z_[i] = z_[0];
-  }
+  x_[padded_] = x_[0];
+  y_[padded_] = y_[0];
+  z_[padded_] = z_[0];
 }
 
 // Bounds how far the collapses of many fans move the surface: the bound of ChangeBound, with one fan per SIMD lane.
