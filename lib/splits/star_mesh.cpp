@@ -317,15 +317,16 @@ void StarMesh::replace_in_ring(Place& place, std::uint32_t at, VertexId u, Colla
 void StarMesh::remove_from_ring(Place& place, std::uint32_t at, CollapseId id) noexcept {
   std::uint32_t* const ids = place.ids;
   std::uint32_t* const made_by = ids + place.capacity;
-  made_by[at == 0 ? place.size - 1 : at - 1] = id;
   --place.size;
   const bool is_removed = with_usual_capacity(place.capacity, [&](auto capacity) {
     remove_item<capacity>(ids, at);
     remove_item<capacity>(made_by, at);
   });
-  if (is_removed) return;
-  std::copy(ids + at + 1, ids + place.size + 1, ids + at);
-  std::copy(made_by + at + 1, made_by + place.size + 1, made_by + at);
+  if (!is_removed) {
+    std::copy(ids + at + 1, ids + place.size + 1, ids + at);
+    std::copy(made_by + at + 1, made_by + place.size + 1, made_by + at);
+  }
+  made_by[at == 0 ? place.size - 1 : at - 1] = id;  // last, as vectors around a number just stored would wait for it
 }
 
 // Replaces v by u in the star of a neighbour w of both. In a ring, v and u must be adjacent.
