@@ -459,8 +459,10 @@ void CollapseWorker::prefetch_makers(std::size_t i) {
     for (const LevelFace& face : ended_by(later))
       visit(records_.collapse(face.made_by & (0U - CollapseId{face.made_by < first})));
   };
-  if (i + ahead < made_.size())
+  if (i + ahead < made_.size()) {
+    prefetch(&state_.records[made_[i + ahead].v]);
     for (const LevelFace& face : ended_by(i + ahead)) prefetch(&state_.records[face.corners.y]);
+  }
   for_each_maker(i + 2 * ahead, [](Collapse* const& place) { prefetch(&place); });
   for_each_maker(i + ahead, [](Collapse* const& place) {
     prefetch(place);

@@ -99,9 +99,7 @@ bool with_usual_capacity(std::uint32_t capacity, const Visit& visit) {
 // Moves the items behind index `at` one place to the front. Avoids branches.
 template <std::uint32_t capacity>
 void remove_item(std::uint32_t* items, std::uint32_t at) {
-  std::array<std::uint32_t, capacity - 1> left;
-  for (std::uint32_t k = 0; k + 1 < capacity; ++k) left[k] = k >= at ? items[k + 1] : items[k];
-  std::copy(left.begin(), left.end(), items);
+  for (std::uint32_t k = 0; k + 1 < capacity; ++k) items[k] = k >= at ? items[k + 1] : items[k];
 }
 
 // Calls visit(v, next, last) for each corner of each face, where next and last are the other corners in winding order.

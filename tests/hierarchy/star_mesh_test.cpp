@@ -133,6 +133,37 @@ TEST(StarMesh, StarsGrowBeyondTheirFirstPlace) {
   EXPECT_GT(mesh.star(0).size(), 8U);
 }
 
+TEST(StarMesh, ARingStaysOneAtEverySize) {
+  // Neighbours are merged into vertex 0 until it has more than 16, twice the first place, and then into each other
+  // until it has 4. The link condition keeps every star a ring.
+  constexpr VertexId hub = 0;
+  const TriangleMesh sphere = test::noisy_sphere(3, 2);
+  StarArena arena;
+  StarMesh mesh(sphere.triangles, sphere.vertex_count());
+  VertexRing ring;
+  const auto merge_a_neighbour = [&](bool into_hub) {
+    const auto neighbours = mesh.star(hub).ring();
+    for (const VertexId v : std::vector<VertexId>(neighbours.begin(), neighbours.end())) {
+      ring.gather(mesh, v);
+      for (std::size_t i = 0; i < ring.neighbours().size(); ++i) {
+        const VertexId u = ring.neighbours()[i];
+        if ((u == hub) != into_hub || !keeps_topology(mesh, ring, i)) continue;
+        ended_by_collapse(mesh, arena, v, u, false);
+        return true;
+      }
+    }
+    return false;
+  };
+  while (mesh.star(hub).size() <= 17) ASSERT_TRUE(merge_a_neighbour(true));
+  while (mesh.star(hub).size() > 4) ASSERT_TRUE(merge_a_neighbour(false));
+  for (VertexId v = 0; v < mesh.vertex_count(); ++v) {
+    if (mesh.star(v).empty()) continue;
+    ASSERT_TRUE(mesh.star(v).is_ring());
+    ring.gather(mesh, v);
+    EXPECT_EQ(ring.neighbours().size(), mesh.star(v).size());
+  }
+}
+
 TEST(StarMesh, ThreadsDoNotChangeTheStars) {
   const TriangleMesh sphere = test::noisy_sphere(6, 2);  // enough vertices for several threads
   const StarMesh one(sphere.triangles, sphere.vertex_count(), 1), many(sphere.triangles, sphere.vertex_count(), 3);
