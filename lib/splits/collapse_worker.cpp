@@ -403,9 +403,8 @@ void CollapseWorker::finish() {
   for (std::size_t i = 0; i < made_.size(); ++i) {
     const Made& made = made_[i];
     const std::span<LevelFace> ended = ended_by(i);
-    prefetch_makers(i);
-    const StarShape shape = made.is_ring && ended.size() <= SplitStar::max_ring ? StarShape::closed_fan  // as it is
-                                                                                : shape_of(made.v, ended);
+    const bool is_fan = made.is_ring && ended.size() <= SplitStar::max_ring;
+    const StarShape shape = is_fan ? StarShape::closed_fan : shape_of(made.v, ended);
     const VertexRecord reached = raise_ring(made, ended, shape);
     Collapse& collapse = memory_.add(ended, shape);
     collapse.v = made.v;
@@ -415,6 +414,7 @@ void CollapseWorker::finish() {
     collapse.moved = scaled_up(made.moved, to_object);
     record.ranks.push_back(reached.rank);
     records_.add(block_->record, first + static_cast<CollapseId>(i), collapse, ended);
+    prefetch_makers(i);
     if (state_.attributes != nullptr) {
       record_corners(i, ended, record);
       record.attribute_errors.push_back(scaled_up(made.attribute_error, to_object));
@@ -455,9 +455,8 @@ void CollapseWorker::prefetch_makers(std::size_t i) {
   const CollapseId first = CollapseRecords::first_id(block_->record);
   const auto for_each_maker = [&](std::size_t later, const auto& visit) {
     if (later >= made_.size() || first == 0) return;
-    // Visits the first collapse in the place of faces without an earlier one, instead of branching.
-    for (const LevelFace& face : ended_by(later))
-      visit(records_.collapse(face.made_by & (0U - CollapseId{face.made_by < first})));
+    // Visits the block's first collapse in the place of makers that are not earlier, instead of branching.
+    for (const LevelFace& face : ended_by(later)) visit(records_.collapse(std::min(face.made_by, first)));
   };
   if (i + ahead < made_.size()) {
     prefetch(&state_.records[made_[i + ahead].v]);
