@@ -44,10 +44,14 @@ float UnseenNeeds::weight_of_closure(std::uint32_t object, const Cut::Closure& c
 float UnseenNeeds::needed_by(std::uint32_t object, SplitId s, int depth) {
   const Cut& cut = (*evaluation_.scene().cuts)[object];
   const SplitStar star = star_of(evaluation_.scene().hierarchy(object), s);
-  float unseen = 0.0F;
+  float unseen = 0.0F, last_charge = 0.0F;
+  SplitId last = no_id;  // faces of one split mostly follow each other
   star.for_each_removed_ref([&](const FaceRef& face) {
     if (face.split == no_id) return;
-    unseen += charge(object, face.split, count_removed(star, face.split), cut.removed_faces(face.split), depth);
+    if (face.split != last)
+      last_charge = charge(object, face.split, count_removed(star, face.split), cut.removed_faces(face.split), depth);
+    last = face.split;
+    unseen += last_charge;
   });
   return unseen;
 }
@@ -56,11 +60,16 @@ float UnseenNeeds::needed_by(std::uint32_t object, SplitId s, int depth) {
 float UnseenNeeds::needed_by_unapplied(std::uint32_t object, SplitId s) {
   const Cut& cut = (*evaluation_.scene().cuts)[object];
   const SplitStar star = star_of(evaluation_.scene().hierarchy(object), s);
-  float unseen = 0.0F;
+  float unseen = 0.0F, last_charge = 0.0F;
+  SplitId last = no_id;
   star.for_each_removed_ref([&](const FaceRef& face) {
     if (face.split == no_id || !cut.applied(face.split)) return;
-    const std::uint32_t own = count_removed(star, face.split);
-    unseen += charge(object, face.split, own, own + cut.removed_faces(face.split), max_depth);
+    if (face.split != last) {
+      const std::uint32_t own = count_removed(star, face.split);
+      last_charge = charge(object, face.split, own, own + cut.removed_faces(face.split), max_depth);
+    }
+    last = face.split;
+    unseen += last_charge;
   });
   return unseen;
 }

@@ -15,29 +15,41 @@
 namespace occlod {
 namespace {
 
+// Stars have about ten faces; the lanes behind them are left out, four at a time.
+constexpr std::size_t lanes_at_once = 4;
+
+// Calls visit(i) for the lanes of a star's faces, and perhaps a few more, which are zero.
+template <typename Visit>
+void for_each_lane(const FrontStar& star, const Visit& visit) {
+  for (std::size_t first = 0; first < star.faces; first += lanes_at_once)
+    for (std::size_t i = first; i < first + lanes_at_once; ++i) visit(i);
+}
+
 // Returns how far the eye may move while none of the faces turns its other side towards it, but for rounding.
-float distance_from_planes(const FrontStar::Lanes& facing, const FrontStar::Lanes& length) {
-  FrontStar::Lanes distance;
-  for (std::size_t i = 0; i < FrontStar::max_faces; ++i)
-    distance[i] = length[i] > 0.0F ? std::abs(facing[i]) / length[i] : std::numeric_limits<float>::infinity();
-  for (std::size_t half = FrontStar::max_faces / 2; half > 0; half /= 2)
-    for (std::size_t i = 0; i < half; ++i) distance[i] = std::min(distance[i], distance[i + half]);
-  return distance[0];
+float distance_from_planes(const FrontStar& star, const FrontStar::Lanes& facing) {
+  std::array<float, lanes_at_once> least;
+  least.fill(std::numeric_limits<float>::infinity());
+  for_each_lane(star, [&](std::size_t i) {
+    const float distance =
+        star.length[i] > 0.0F ? std::abs(facing[i]) / star.length[i] : std::numeric_limits<float>::infinity();
+    least[i % lanes_at_once] = std::min(least[i % lanes_at_once], distance);
+  });
+  return *std::min_element(least.begin(), least.end());
 }
 
 // Returns how the star is seen. The rays to all of its faces count as parallel.
 StarView view_of(const FrontStar& star, FrontStar::Lanes& facing, const glm::vec3& eye, const FrontView& front_view) {
   const bool two_sided = front_view.two_sided;
   if (two_sided)
-    for (float& f : facing) f = std::abs(f);
+    for_each_lane(star, [&](std::size_t i) { facing[i] = std::abs(facing[i]); });
   std::uint32_t seen_faces = 0;
   float whole = 0.0F, seen = 0.0F;
-  for (std::size_t i = 0; i < FrontStar::max_faces; ++i) {
+  for_each_lane(star, [&](std::size_t i) {
     const bool is_seen = facing[i] > 0.0F;
     seen_faces += is_seen ? 1 : 0;
     whole += is_seen ? star.length[i] : 0.0F;
     seen += is_seen ? facing[i] : 0.0F;
-  }
+  });
   StarView result;
   result.sphere = star.sphere;
   result.scale_px = front_view.view.largest_scale_px(star.sphere);
@@ -94,10 +106,11 @@ FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors, c
   const float unit = inverse_power_of_two(from_center);
   const glm::vec3 eye = unit * from_center;
   FrontStar::Lanes facing;
-  for (std::size_t i = 0; i < FrontStar::max_faces; ++i)
+  for_each_lane(star, [&](std::size_t i) {
     facing[i] = star.normal_x[i] * eye.x + star.normal_y[i] * eye.y + star.normal_z[i] * eye.z + unit * star.offset[i];
+  });
   const float from_planes =
-      front_view.two_sided ? std::numeric_limits<float>::infinity() : distance_from_planes(facing, star.length) / unit;
+      front_view.two_sided ? std::numeric_limits<float>::infinity() : distance_from_planes(star, facing) / unit;
   const StarView seen = view_of(star, facing, eye, front_view);
   FrontPriority result{front_view.importance.of(seen, errors),
                        error_growth_of(seen, glm::length(eye) / unit, front_view)};
@@ -146,9 +159,16 @@ void FrontEvaluation::restart(const RefinedScene& scene) {
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
     objects_[i].front.clear();
     objects_[i].motion = {};
-    objects_[i].view = scene_.views[i];
+    see(i);
   }
   last_view_ = *scene_.view;
+}
+
+// Takes over this frame's view of an object.
+void FrontEvaluation::see(std::uint32_t object) {
+  const ObjectView& view = scene_.views[object];
+  objects_[object].view = view;
+  objects_[object].steepness = static_cast<float>(2.0 * tan_corner_angle(view));
 }
 
 void FrontEvaluation::move_to(const RefinedScene& scene) {
@@ -167,7 +187,7 @@ void FrontEvaluation::move(std::uint32_t object) {
   const ObjectView& view = scene_.views[object];
   const Box& box = scene_.hierarchy(object).box();
   const std::optional<ViewMotion> moved = motion_between({*last_view_, *of.view}, {*scene_.view, view}, center_of(box));
-  of.view = view;
+  see(object);
   if (moved) {
     of.motion.eye_distance += moved->eye_distance;
     of.motion.center_distance += moved->center_distance;
@@ -304,8 +324,8 @@ std::optional<SplitWorth> FrontEvaluation::find_worth(std::uint32_t object, Fron
       object, k,
       front_priority(*star, {front.errors()[k], front.guaranteed_errors()[k]},
                      {view, scene_.importances[object], scene_.objects[object].two_sided,
-                      static_cast<float>(tuning_of(*options).grazing_exponent),
-                      static_cast<float>(2.0 * tan_corner_angle(view)), center_of(scene_.hierarchy(object).box())}));
+                      static_cast<float>(tuning_of(*options).grazing_exponent), of.steepness,
+                      center_of(scene_.hierarchy(object).box())}));
 }
 
 // Returns the worth of a split whose star has not been read yet, has many faces, or is not wholly inside the frustum.

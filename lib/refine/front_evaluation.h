@@ -101,9 +101,11 @@ class FrontEvaluation {
 
     Front front;
     std::optional<ObjectView> view;  // view in the last frame
+    float steepness = 0.0F;          // see FrontView
     ViewMotion motion;               // since the front was last evaluated as a whole
   };
 
+  void see(std::uint32_t object);
   void move(std::uint32_t object);
   [[nodiscard]] std::optional<SplitWorth> find_worth(std::uint32_t object, Front::Index k);
   [[nodiscard]] SplitWorth worth_of_other(std::uint32_t object, Front::Index k);
