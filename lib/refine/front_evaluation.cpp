@@ -40,8 +40,7 @@ float distance_from_planes(const FrontStar& star, const FrontStar::Lanes& facing
 // Returns how the star is seen. The rays to all of its faces count as parallel.
 StarView view_of(const FrontStar& star, FrontStar::Lanes& facing, const glm::vec3& eye, const FrontView& front_view) {
   const bool two_sided = front_view.two_sided;
-  if (two_sided)
-    for_each_lane(star, [&](std::size_t i) { facing[i] = std::abs(facing[i]); });
+  if (two_sided) for_each_lane(star, [&](std::size_t i) { facing[i] = std::abs(facing[i]); });
   std::uint32_t seen_faces = 0;
   float whole = 0.0F, seen = 0.0F;
   for_each_lane(star, [&](std::size_t i) {
@@ -320,12 +319,11 @@ std::optional<SplitWorth> FrontEvaluation::find_worth(std::uint32_t object, Fron
   const FrontStar* const star = front.known_star(k);
   const ObjectView& view = scene_.views[object];
   if (star == nullptr || star->has_too_many || !is_wholly_inside(star->sphere, view)) return std::nullopt;
-  return note(
-      object, k,
-      front_priority(*star, {front.errors()[k], front.guaranteed_errors()[k]},
-                     {view, scene_.importances[object], scene_.objects[object].two_sided,
-                      static_cast<float>(tuning_of(*options).grazing_exponent), of.steepness,
-                      center_of(scene_.hierarchy(object).box())}));
+  return note(object, k,
+              front_priority(*star, {front.errors()[k], front.guaranteed_errors()[k]},
+                             {view, scene_.importances[object], scene_.objects[object].two_sided,
+                              static_cast<float>(tuning_of(*options).grazing_exponent), of.steepness,
+                              center_of(scene_.hierarchy(object).box())}));
 }
 
 // Returns the worth of a split whose star has not been read yet, has many faces, or is not wholly inside the frustum.
