@@ -58,11 +58,14 @@ StarView view_of(const FrontStar& star, FrontStar::Lanes& facing, const glm::vec
   return result;
 }
 
-// Returns the distance of the sphere from the nearest plane of the frustum, positive inside.
+// Returns the distance of the sphere from the nearest plane of the frustum, positive only when it is wholly inside.
 float room_inside(const Sphere& sphere, const ObjectView& view) {
   float room = std::numeric_limits<float>::infinity();
-  for (const glm::vec4& plane : view.planes())
-    room = std::min(room, glm::dot(glm::vec3(plane), sphere.center) + plane.w - sphere.radius);
+  for (const glm::vec4& plane : view.planes()) {
+    const float distance = glm::dot(glm::vec3(plane), sphere.center) + plane.w - sphere.radius;
+    if (!(distance > 0.0F)) return 0.0F;
+    room = std::min(room, distance);
+  }
   return room;
 }
 
@@ -100,7 +103,10 @@ ErrorGrowth error_growth_of(const StarView& seen, float from_eye, const FrontVie
 
 }  // namespace
 
-FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors, const FrontView& front_view) {
+std::optional<FrontPriority> front_priority(const FrontStar& star, const SplitErrors& errors,
+                                            const FrontView& front_view) {
+  const float room = room_inside(star.sphere, front_view.view);
+  if (!(room > 0.0F)) return std::nullopt;
   const glm::vec3 from_center = front_view.view.eye() - star.sphere.center;
   const float unit = inverse_power_of_two(from_center);
   const glm::vec3 eye = unit * from_center;
@@ -120,7 +126,7 @@ FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors, c
   if (seen.visible_share == 0.0F)
     growth = {0.0F, 0.0F, std::numeric_limits<float>::max(), 0.0F, std::numeric_limits<float>::max()};
   else
-    growth.motion_limit = std::min(growth.motion_limit, 0.999F * room_inside(star.sphere, front_view.view) - rounding);
+    growth.motion_limit = std::min(growth.motion_limit, 0.999F * room - rounding);
   growth.eye_distance_limit = std::min(growth.eye_distance_limit, 0.999F * from_planes - rounding);
   return result;
 }
@@ -318,12 +324,14 @@ std::optional<SplitWorth> FrontEvaluation::find_worth(std::uint32_t object, Fron
   }
   const FrontStar* const star = front.known_star(k);
   const ObjectView& view = scene_.views[object];
-  if (star == nullptr || star->has_too_many || !is_wholly_inside(star->sphere, view)) return std::nullopt;
-  return note(object, k,
-              front_priority(*star, {front.errors()[k], front.guaranteed_errors()[k]},
-                             {view, scene_.importances[object], scene_.objects[object].two_sided,
-                              static_cast<float>(tuning_of(*options).grazing_exponent), of.steepness,
-                              center_of(scene_.hierarchy(object).box())}));
+  if (star == nullptr || star->has_too_many) return std::nullopt;
+  const std::optional<FrontPriority> found =
+      front_priority(*star, {front.errors()[k], front.guaranteed_errors()[k]},
+                     {view, scene_.importances[object], scene_.objects[object].two_sided,
+                      static_cast<float>(tuning_of(*options).grazing_exponent), of.steepness,
+                      center_of(scene_.hierarchy(object).box())});
+  if (!found) return std::nullopt;
+  return note(object, k, *found);
 }
 
 // Returns the worth of a split whose star has not been read yet, has many faces, or is not wholly inside the frustum.
@@ -397,6 +405,18 @@ void FrontEvaluation::measure_unreached(std::uint32_t object, const BoundedProdu
   for (const Front::Index k : found_) left.include(objects_[object].front.error_at_most(k));
 }
 
+namespace {
+
+// Returns whether the error of a split may be larger than one of these.
+bool may_exceed(const Front& front, Front::Index k, const ScreenError& error) {
+  const ScreenError most = front.error_at_most(k);
+  const float error_factor = front.scales().error_factor[k];
+  return !(error_factor * most.quadric_px <= error.quadric_px &&
+           error_factor * most.guaranteed_px <= error.guaranteed_px);
+}
+
+}  // namespace
+
 // Includes the errors of stars of splits, where their subtree's bounds leave room for a larger one.
 void FrontEvaluation::measure_unapplied(std::uint32_t object, const BoundedProducts& of, float so_far,
                                         ScreenError& left) {
@@ -409,7 +429,7 @@ void FrontEvaluation::measure_unapplied(std::uint32_t object, const BoundedProdu
   for (const Front::Index k : found_) {
     if (tuning_of(*options).culling == Culling::subtree || known.is_outdated(k))
       left.include(worth(object, k).error);
-    else if (known.value[k] > 0.0F)  // the star is still seen
+    else if (known.value[k] > 0.0F && may_exceed(front, k, left))  // the star is still seen
       left.include({front.errors()[k], front.guaranteed_errors()[k],
                     scene_.views[object].largest_scale_px(front.star(k).sphere)});
   }

@@ -28,10 +28,10 @@ struct FrontView {
   glm::vec3 center{0.0F};  // center that motion is counted from, object space
 };
 
-// Returns the priority of a split with this star and these errors. Precondition: the star has at most
-// FrontStar::max_faces faces and is wholly inside the frustum.
-[[nodiscard]] FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors,
-                                           const FrontView& front_view);
+// Returns the priority of a split with this star and these errors, or nothing unless the star is wholly inside the
+// frustum. Precondition: it has at most FrontStar::max_faces faces.
+[[nodiscard]] std::optional<FrontPriority> front_priority(const FrontStar& star, const SplitErrors& errors,
+                                                          const FrontView& front_view);
 
 // Priorities within this factor of the level, the priority at which the budget ended, are looked at first.
 inline constexpr float level_band = 1.06F;
