@@ -294,7 +294,9 @@ void FrontEvaluation::find_worths(std::uint32_t object, std::span<const Front::I
   evaluate(object, outdated_);
   std::atomic<bool> any_other = false;
   for_each_block(nodes.size(), stars_in_a_block, scene_.threads, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t i = begin; i < std::min(begin + stars_ahead, end); ++i) front.prefetch_star(nodes[i]);
     for (std::size_t i = begin; i < end; ++i) {
+      if (i + 2 * stars_ahead < end) prefetch(&front.node(nodes[i + 2 * stars_ahead]));
       if (i + stars_ahead < end) front.prefetch_star(nodes[i + stars_ahead]);
       const std::optional<SplitWorth> worth = find_worth(object, nodes[i]);
       worths[i] = worth.value_or(not_found);
@@ -426,7 +428,10 @@ void FrontEvaluation::measure_unapplied(std::uint32_t object, const BoundedProdu
   const RefineOptions* const options = scene_.options;
   const BoundedValues& known = priorities(object).values;
   Front& front = objects_[object].front;
-  for (const Front::Index k : found_) {
+  for (std::size_t i = 0; i < found_.size(); ++i) {
+    const Front::Index k = found_[i];
+    if (i + 2 * stars_ahead < found_.size()) prefetch(&front.node(found_[i + 2 * stars_ahead]));
+    if (i + stars_ahead < found_.size()) front.prefetch_star(found_[i + stars_ahead]);
     if (tuning_of(*options).culling == Culling::subtree || known.is_outdated(k))
       left.include(worth(object, k).error);
     else if (known.value[k] > 0.0F && may_exceed(front, k, left))  // the star is still seen
