@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/platform.h"
 #include "refine/tuning.h"
 #include "splits/star.h"
 
@@ -37,7 +38,9 @@ void UnseenNeeds::look_at_needs(std::uint32_t object, std::span<const SplitId> s
   outdated_.reserve(front.room());
   worths_.reserve(front.room());
   const auto look_at = [&](Front::Index k) {
-    if (k != Front::none && !front.is(k, Front::hidden) && front.priorities().is_outdated(k)) outdated_.push_back(k);
+    if (k == Front::none || front.is(k, Front::hidden) || !front.priorities().is_outdated(k)) return;
+    prefetch(&front.node(k));
+    outdated_.push_back(k);
   };
   for (const SplitId s : forced) look_at(front.find(s));
   for (const SplitId s : splits) {

@@ -267,9 +267,8 @@ void FrontEvaluation::evaluate(std::uint32_t object, std::span<const Front::Inde
 
 void FrontEvaluation::evaluate_expired(std::uint32_t object) {
   found_.clear();
-  const BoundedValues& scales = objects_[object].front.scales();
-  for (Front::Index k = 0; k < scales.value.size(); ++k)
-    if (scales.is_outdated(k)) found_.push_back(k);
+  const Front& front = objects_[object].front;
+  select({front.scales(), {}, front.flags()}, {.may_exceed = std::numeric_limits<float>::infinity()}, found_);
   evaluate(object, found_);
 }
 
@@ -425,16 +424,21 @@ void FrontEvaluation::measure_unapplied(std::uint32_t object, const BoundedProdu
   constexpr std::uint16_t all = Front::reached | Front::descended, none = Front::applied | Front::hidden;
   found_.clear();
   select(of, {.all = all, .none = none, .may_exceed = so_far}, found_);
-  const RefineOptions* const options = scene_.options;
-  const BoundedValues& known = priorities(object).values;
   Front& front = objects_[object].front;
-  for (std::size_t i = 0; i < found_.size(); ++i) {
-    const Front::Index k = found_[i];
-    if (i + 2 * stars_ahead < found_.size()) prefetch(&front.node(found_[i + 2 * stars_ahead]));
-    if (i + stars_ahead < found_.size()) front.prefetch_star(found_[i + stars_ahead]);
-    if (tuning_of(*options).culling == Culling::subtree || known.is_outdated(k))
-      left.include(worth(object, k).error);
-    else if (known.value[k] > 0.0F && may_exceed(front, k, left))  // the star is still seen
+  const bool by_star = tuning_of(*scene_.options).culling == Culling::star;
+  const auto known = std::partition(found_.begin(), found_.end(),
+                                    [&](Front::Index k) { return by_star && !front.priorities().is_outdated(k); });
+  const std::span unknown(known, found_.end());
+  worths_.reserve(front.room());
+  worths_.resize(unknown.size());
+  find_worths(object, unknown, worths_);
+  for (const SplitWorth& worth : worths_) left.include(worth.error);
+  const std::span others(found_.begin(), known);
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    if (i + stars_ahead < others.size()) front.prefetch_star(others[i + stars_ahead]);
+    const Front::Index k = others[i];
+    const bool is_seen = front.priorities().value[k] > 0.0F;
+    if (is_seen && may_exceed(front, k, left))
       left.include({front.errors()[k], front.guaranteed_errors()[k],
                     scene_.views[object].largest_scale_px(front.star(k).sphere)});
   }

@@ -116,7 +116,8 @@ class FrontEvaluation {
   RefinedScene scene_;
   std::vector<Object> objects_;
   std::optional<View> last_view_;
-  std::vector<Front::Index> found_, expired_, outdated_;  // scratch
+  std::vector<Front::Index> found_, expired_, outdated_;  // scratch, like the next one
+  std::vector<SplitWorth> worths_;
 };
 
 }  // namespace occlod
