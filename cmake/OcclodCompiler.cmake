@@ -16,6 +16,10 @@ endfunction()
 # Nobody looks at errno or at floating-point traps, so roots and conditions on floats may be compiled to instructions.
 occlod_known_flags(OCCLOD_ARITHMETIC_FLAGS -ffp-contract=off -fno-math-errno -fno-trapping-math)
 
+# Nobody replaces a function of the library by one of the same name, so GCC may inline them in code for shared libraries
+# too, as Clang does anyway.
+occlod_known_flags(OCCLOD_LIBRARY_FLAGS -fno-semantic-interposition)
+
 # Our own code compiles without a warning. Never passed on to consumers.
 occlod_known_flags(occlod_warning_flags
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual)

@@ -22,7 +22,7 @@ function(occlod_module name)
   add_library(occlod_${name} STATIC ${ARG_SOURCES} ${ARG_HEADERS})
   set_target_properties(occlod_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)  # the same objects for either kind
   target_compile_features(occlod_${name} PUBLIC cxx_std_20)
-  target_compile_options(occlod_${name} PRIVATE ${OCCLOD_ARITHMETIC_FLAGS})
+  target_compile_options(occlod_${name} PRIVATE ${OCCLOD_ARITHMETIC_FLAGS} ${OCCLOD_LIBRARY_FLAGS})
   target_include_directories(occlod_${name} PUBLIC ${PROJECT_SOURCE_DIR}/lib/include PRIVATE ${PROJECT_SOURCE_DIR}/lib)
   target_link_libraries(occlod_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} ${ARG_BUILD_ONLY} occlod_warnings)
 

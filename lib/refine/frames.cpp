@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/platform.h"
 #include "refine/tuning.h"
 #include "splits/star.h"
 
@@ -27,12 +28,42 @@ std::uint32_t count_removed(const SplitStar& star, SplitId from) {
 
 }  // namespace
 
+// Finds at once which stars are seen of what these splits need, and which of `forced`: looking at one after the other
+// would wait for the memory each time.
+void UnseenNeeds::look_at_needs(std::uint32_t object, std::span<const SplitId> splits,
+                                std::span<const SplitId> forced) {
+  const Cut& cut = (*evaluation_.scene().cuts)[object];
+  const Front& front = evaluation_.front(object);
+  outdated_.clear();
+  outdated_.reserve(front.room());
+  worths_.reserve(front.room());
+  const auto look_at = [&](Front::Index k) {
+    if (k == Front::none || front.is(k, Front::hidden) || !front.priorities().is_outdated(k)) return;
+    prefetch(&front.node(k));
+    outdated_.push_back(k);
+  };
+  for (const SplitId s : forced) look_at(front.find(s));
+  for (const SplitId s : splits) {
+    SplitId last = no_id;
+    star_of(evaluation_.scene().hierarchy(object), s).for_each_removed_ref([&](const FaceRef& face) {
+      if (face.split == no_id || std::exchange(last, face.split) == face.split) return;
+      if (cut.applied(face.split)) look_at(front.find(face.split));
+    });
+  }
+  if (outdated_.empty()) return;
+  std::sort(outdated_.begin(), outdated_.end());
+  outdated_.erase(std::unique(outdated_.begin(), outdated_.end()), outdated_.end());
+  worths_.resize(outdated_.size());
+  evaluation_.find_worths(object, outdated_, worths_);
+}
+
 float UnseenNeeds::weight_of_applied(std::uint32_t object, SplitId s) {
   return weight(object, s, std::min(needed_by(object, s, max_depth), max_kept));
 }
 
 float UnseenNeeds::weight_of_closure(std::uint32_t object, const Cut::Closure& closure) {
   float kept = 0.0F, forced = 0.0F;
+  look_at_needs(object, closure.splits, closure.splits.subspan(1));
   for (const SplitId s : closure.splits) {
     kept += needed_by_unapplied(object, s);
     if (s != closure.splits[0]) forced += unseen_part(object, s);
@@ -44,10 +75,14 @@ float UnseenNeeds::weight_of_closure(std::uint32_t object, const Cut::Closure& c
 float UnseenNeeds::needed_by(std::uint32_t object, SplitId s, int depth) {
   const Cut& cut = (*evaluation_.scene().cuts)[object];
   const SplitStar star = star_of(evaluation_.scene().hierarchy(object), s);
-  float unseen = 0.0F;
+  float unseen = 0.0F, last_charge = 0.0F;
+  SplitId last = no_id;  // faces of one split mostly follow each other
   star.for_each_removed_ref([&](const FaceRef& face) {
     if (face.split == no_id) return;
-    unseen += charge(object, face.split, count_removed(star, face.split), cut.removed_faces(face.split), depth);
+    if (face.split != last)
+      last_charge = charge(object, face.split, count_removed(star, face.split), cut.removed_faces(face.split), depth);
+    last = face.split;
+    unseen += last_charge;
   });
   return unseen;
 }
@@ -56,11 +91,16 @@ float UnseenNeeds::needed_by(std::uint32_t object, SplitId s, int depth) {
 float UnseenNeeds::needed_by_unapplied(std::uint32_t object, SplitId s) {
   const Cut& cut = (*evaluation_.scene().cuts)[object];
   const SplitStar star = star_of(evaluation_.scene().hierarchy(object), s);
-  float unseen = 0.0F;
+  float unseen = 0.0F, last_charge = 0.0F;
+  SplitId last = no_id;
   star.for_each_removed_ref([&](const FaceRef& face) {
     if (face.split == no_id || !cut.applied(face.split)) return;
-    const std::uint32_t own = count_removed(star, face.split);
-    unseen += charge(object, face.split, own, own + cut.removed_faces(face.split), max_depth);
+    if (face.split != last) {
+      const std::uint32_t own = count_removed(star, face.split);
+      last_charge = charge(object, face.split, own, own + cut.removed_faces(face.split), max_depth);
+    }
+    last = face.split;
+    unseen += last_charge;
   });
   return unseen;
 }
@@ -80,7 +120,9 @@ float UnseenNeeds::below(std::uint32_t object, Front::Index k, int depth) {
   const auto age = static_cast<std::uint16_t>(now - front.node(k).weighed_frame);
   if (front.is(k, Front::needs_known) && age < max_age) return front.node(k).unseen_needs;
   if (depth == 0) return 0.0F;
-  const float found = needed_by(object, front.node(k).split, depth - 1);
+  const SplitId s = front.node(k).split;
+  look_at_needs(object, {&s, 1}, {});
+  const float found = needed_by(object, s, depth - 1);
   FrontNode& node = front.node(k);
   node.unseen_needs = found;
   node.weighed_frame = now;
@@ -298,8 +340,12 @@ void SplitExchange::weigh_leaves(std::uint32_t object) {
   select(evaluation_.errors(object), {.all = Front::applied | Front::leaf, .none = Front::is_new | Front::hidden},
          found_);
   const Front& front = evaluation_.front(object);
-  for (const Front::Index k : found_)
-    if ((front.node(k).split + frame_) % weighing_rounds == 0) weigh_leaf(object, k);
+  std::erase_if(found_, [&](Front::Index k) { return (front.node(k).split + frame_) % weighing_rounds != 0; });
+  sorted_.clear();
+  sorted_.reserve(front.room());
+  for (const Front::Index k : found_) sorted_.push_back(front.node(k).split);
+  unseen_needs_.look_at_needs(object, sorted_, {});
+  for (const Front::Index k : found_) weigh_leaf(object, k);
 }
 
 void SplitExchange::weigh_leaf(std::uint32_t object, Front::Index k) {
@@ -467,7 +513,10 @@ void SplitExchange::enqueue_new_leaf(std::uint32_t object, SplitId s) {
   if (front.is(k, Front::is_new)) return;
   // The new leaf may well be hidden too, and then its room is wanted now.
   queries_.ask_about_new_leaf(object, k);
-  if (tuning_of(*evaluation_.scene().options).culling == Culling::star) weigh_leaf(object, k);
+  if (tuning_of(*evaluation_.scene().options).culling == Culling::star) {
+    unseen_needs_.look_at_needs(object, {&s, 1}, {});
+    weigh_leaf(object, k);
+  }
   const float priority = leaf_priority(evaluation_.worth(object, k));
   if (priority < leaves_below_) enqueue_leaf(object, s, priority);
 }

@@ -110,6 +110,10 @@ class UnseenNeeds {
 
   void begin_frame(std::uint32_t frame) noexcept { frame_ = frame; }
 
+  // Finds what is seen of all that these splits need, on as many threads as the options allow. The weights below are
+  // the same without this, but take longer.
+  void look_at_needs(std::uint32_t object, std::span<const SplitId> splits, std::span<const SplitId> forced);
+
   // Returns the factor by which the priority of an applied split sinks, also because its vertex is covered, in (0, 1].
   // O(direct dependencies), because their charges are kept for some frames.
   [[nodiscard]] float weight_of_applied(std::uint32_t object, SplitId s);
@@ -127,6 +131,8 @@ class UnseenNeeds {
 
   FrontEvaluation& evaluation_;
   std::uint32_t frame_ = 0;
+  std::vector<Front::Index> outdated_;  // scratch, like the next one
+  std::vector<SplitWorth> worths_;
 };
 
 // What a split forces, and what a leaf keeps, is weighed again once in this many frames.

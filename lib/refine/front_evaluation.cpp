@@ -15,29 +15,40 @@
 namespace occlod {
 namespace {
 
+// Stars have about ten faces; the lanes behind them are left out, four at a time.
+constexpr std::size_t lanes_at_once = 4;
+
+// Calls visit(i) for the lanes of a star's faces, and perhaps a few more, which are zero.
+template <typename Visit>
+void for_each_lane(const FrontStar& star, const Visit& visit) {
+  for (std::size_t first = 0; first < star.faces; first += lanes_at_once)
+    for (std::size_t i = first; i < first + lanes_at_once; ++i) visit(i);
+}
+
 // Returns how far the eye may move while none of the faces turns its other side towards it, but for rounding.
-float distance_from_planes(const FrontStar::Lanes& facing, const FrontStar::Lanes& length) {
-  FrontStar::Lanes distance;
-  for (std::size_t i = 0; i < FrontStar::max_faces; ++i)
-    distance[i] = length[i] > 0.0F ? std::abs(facing[i]) / length[i] : std::numeric_limits<float>::infinity();
-  for (std::size_t half = FrontStar::max_faces / 2; half > 0; half /= 2)
-    for (std::size_t i = 0; i < half; ++i) distance[i] = std::min(distance[i], distance[i + half]);
-  return distance[0];
+float distance_from_planes(const FrontStar& star, const FrontStar::Lanes& facing) {
+  std::array<float, lanes_at_once> least;
+  least.fill(std::numeric_limits<float>::infinity());
+  for_each_lane(star, [&](std::size_t i) {
+    const float distance =
+        star.length[i] > 0.0F ? std::abs(facing[i]) / star.length[i] : std::numeric_limits<float>::infinity();
+    least[i % lanes_at_once] = std::min(least[i % lanes_at_once], distance);
+  });
+  return *std::min_element(least.begin(), least.end());
 }
 
 // Returns how the star is seen. The rays to all of its faces count as parallel.
 StarView view_of(const FrontStar& star, FrontStar::Lanes& facing, const glm::vec3& eye, const FrontView& front_view) {
   const bool two_sided = front_view.two_sided;
-  if (two_sided)
-    for (float& f : facing) f = std::abs(f);
+  if (two_sided) for_each_lane(star, [&](std::size_t i) { facing[i] = std::abs(facing[i]); });
   std::uint32_t seen_faces = 0;
   float whole = 0.0F, seen = 0.0F;
-  for (std::size_t i = 0; i < FrontStar::max_faces; ++i) {
+  for_each_lane(star, [&](std::size_t i) {
     const bool is_seen = facing[i] > 0.0F;
     seen_faces += is_seen ? 1 : 0;
     whole += is_seen ? star.length[i] : 0.0F;
     seen += is_seen ? facing[i] : 0.0F;
-  }
+  });
   StarView result;
   result.sphere = star.sphere;
   result.scale_px = front_view.view.largest_scale_px(star.sphere);
@@ -47,11 +58,14 @@ StarView view_of(const FrontStar& star, FrontStar::Lanes& facing, const glm::vec
   return result;
 }
 
-// Returns the distance of the sphere from the nearest plane of the frustum, positive inside.
+// Returns the distance of the sphere from the nearest plane of the frustum, positive only when it is wholly inside.
 float room_inside(const Sphere& sphere, const ObjectView& view) {
   float room = std::numeric_limits<float>::infinity();
-  for (const glm::vec4& plane : view.planes())
-    room = std::min(room, glm::dot(glm::vec3(plane), sphere.center) + plane.w - sphere.radius);
+  for (const glm::vec4& plane : view.planes()) {
+    const float distance = glm::dot(glm::vec3(plane), sphere.center) + plane.w - sphere.radius;
+    if (!(distance > 0.0F)) return 0.0F;
+    room = std::min(room, distance);
+  }
   return room;
 }
 
@@ -89,15 +103,19 @@ ErrorGrowth error_growth_of(const StarView& seen, float from_eye, const FrontVie
 
 }  // namespace
 
-FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors, const FrontView& front_view) {
+std::optional<FrontPriority> front_priority(const FrontStar& star, const SplitErrors& errors,
+                                            const FrontView& front_view) {
+  const float room = room_inside(star.sphere, front_view.view);
+  if (!(room > 0.0F)) return std::nullopt;
   const glm::vec3 from_center = front_view.view.eye() - star.sphere.center;
   const float unit = inverse_power_of_two(from_center);
   const glm::vec3 eye = unit * from_center;
   FrontStar::Lanes facing;
-  for (std::size_t i = 0; i < FrontStar::max_faces; ++i)
+  for_each_lane(star, [&](std::size_t i) {
     facing[i] = star.normal_x[i] * eye.x + star.normal_y[i] * eye.y + star.normal_z[i] * eye.z + unit * star.offset[i];
+  });
   const float from_planes =
-      front_view.two_sided ? std::numeric_limits<float>::infinity() : distance_from_planes(facing, star.length) / unit;
+      front_view.two_sided ? std::numeric_limits<float>::infinity() : distance_from_planes(star, facing) / unit;
   const StarView seen = view_of(star, facing, eye, front_view);
   FrontPriority result{front_view.importance.of(seen, errors),
                        error_growth_of(seen, glm::length(eye) / unit, front_view)};
@@ -108,7 +126,7 @@ FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors, c
   if (seen.visible_share == 0.0F)
     growth = {0.0F, 0.0F, std::numeric_limits<float>::max(), 0.0F, std::numeric_limits<float>::max()};
   else
-    growth.motion_limit = std::min(growth.motion_limit, 0.999F * room_inside(star.sphere, front_view.view) - rounding);
+    growth.motion_limit = std::min(growth.motion_limit, 0.999F * room - rounding);
   growth.eye_distance_limit = std::min(growth.eye_distance_limit, 0.999F * from_planes - rounding);
   return result;
 }
@@ -146,9 +164,16 @@ void FrontEvaluation::restart(const RefinedScene& scene) {
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
     objects_[i].front.clear();
     objects_[i].motion = {};
-    objects_[i].view = scene_.views[i];
+    see(i);
   }
   last_view_ = *scene_.view;
+}
+
+// Takes over this frame's view of an object.
+void FrontEvaluation::see(std::uint32_t object) {
+  const ObjectView& view = scene_.views[object];
+  objects_[object].view = view;
+  objects_[object].steepness = static_cast<float>(2.0 * tan_corner_angle(view));
 }
 
 void FrontEvaluation::move_to(const RefinedScene& scene) {
@@ -167,7 +192,7 @@ void FrontEvaluation::move(std::uint32_t object) {
   const ObjectView& view = scene_.views[object];
   const Box& box = scene_.hierarchy(object).box();
   const std::optional<ViewMotion> moved = motion_between({*last_view_, *of.view}, {*scene_.view, view}, center_of(box));
-  of.view = view;
+  see(object);
   if (moved) {
     of.motion.eye_distance += moved->eye_distance;
     of.motion.center_distance += moved->center_distance;
@@ -242,9 +267,8 @@ void FrontEvaluation::evaluate(std::uint32_t object, std::span<const Front::Inde
 
 void FrontEvaluation::evaluate_expired(std::uint32_t object) {
   found_.clear();
-  const BoundedValues& scales = objects_[object].front.scales();
-  for (Front::Index k = 0; k < scales.value.size(); ++k)
-    if (scales.is_outdated(k)) found_.push_back(k);
+  const Front& front = objects_[object].front;
+  select({front.scales(), {}, front.flags()}, {.may_exceed = std::numeric_limits<float>::infinity()}, found_);
   evaluate(object, found_);
 }
 
@@ -269,7 +293,9 @@ void FrontEvaluation::find_worths(std::uint32_t object, std::span<const Front::I
   evaluate(object, outdated_);
   std::atomic<bool> any_other = false;
   for_each_block(nodes.size(), stars_in_a_block, scene_.threads, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t i = begin; i < std::min(begin + stars_ahead, end); ++i) front.prefetch_star(nodes[i]);
     for (std::size_t i = begin; i < end; ++i) {
+      if (i + 2 * stars_ahead < end) prefetch(&front.node(nodes[i + 2 * stars_ahead]));
       if (i + stars_ahead < end) front.prefetch_star(nodes[i + stars_ahead]);
       const std::optional<SplitWorth> worth = find_worth(object, nodes[i]);
       worths[i] = worth.value_or(not_found);
@@ -299,13 +325,14 @@ std::optional<SplitWorth> FrontEvaluation::find_worth(std::uint32_t object, Fron
   }
   const FrontStar* const star = front.known_star(k);
   const ObjectView& view = scene_.views[object];
-  if (star == nullptr || star->has_too_many || !is_wholly_inside(star->sphere, view)) return std::nullopt;
-  return note(
-      object, k,
+  if (star == nullptr || star->has_too_many) return std::nullopt;
+  const std::optional<FrontPriority> found =
       front_priority(*star, {front.errors()[k], front.guaranteed_errors()[k]},
                      {view, scene_.importances[object], scene_.objects[object].two_sided,
-                      static_cast<float>(tuning_of(*options).grazing_exponent),
-                      static_cast<float>(2.0 * tan_corner_angle(view)), center_of(scene_.hierarchy(object).box())}));
+                      static_cast<float>(tuning_of(*options).grazing_exponent), of.steepness,
+                      center_of(scene_.hierarchy(object).box())});
+  if (!found) return std::nullopt;
+  return note(object, k, *found);
 }
 
 // Returns the worth of a split whose star has not been read yet, has many faces, or is not wholly inside the frustum.
@@ -379,19 +406,39 @@ void FrontEvaluation::measure_unreached(std::uint32_t object, const BoundedProdu
   for (const Front::Index k : found_) left.include(objects_[object].front.error_at_most(k));
 }
 
+namespace {
+
+// Returns whether the error of a split may be larger than one of these.
+bool may_exceed(const Front& front, Front::Index k, const ScreenError& error) {
+  const ScreenError most = front.error_at_most(k);
+  const float error_factor = front.scales().error_factor[k];
+  return !(error_factor * most.quadric_px <= error.quadric_px &&
+           error_factor * most.guaranteed_px <= error.guaranteed_px);
+}
+
+}  // namespace
+
 // Includes the errors of stars of splits, where their subtree's bounds leave room for a larger one.
 void FrontEvaluation::measure_unapplied(std::uint32_t object, const BoundedProducts& of, float so_far,
                                         ScreenError& left) {
   constexpr std::uint16_t all = Front::reached | Front::descended, none = Front::applied | Front::hidden;
   found_.clear();
   select(of, {.all = all, .none = none, .may_exceed = so_far}, found_);
-  const RefineOptions* const options = scene_.options;
-  const BoundedValues& known = priorities(object).values;
   Front& front = objects_[object].front;
-  for (const Front::Index k : found_) {
-    if (tuning_of(*options).culling == Culling::subtree || known.is_outdated(k))
-      left.include(worth(object, k).error);
-    else if (known.value[k] > 0.0F)  // the star is still seen
+  const bool by_star = tuning_of(*scene_.options).culling == Culling::star;
+  const auto known = std::partition(found_.begin(), found_.end(),
+                                    [&](Front::Index k) { return by_star && !front.priorities().is_outdated(k); });
+  const std::span unknown(known, found_.end());
+  worths_.reserve(front.room());
+  worths_.resize(unknown.size());
+  find_worths(object, unknown, worths_);
+  for (const SplitWorth& worth : worths_) left.include(worth.error);
+  const std::span others(found_.begin(), known);
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    if (i + stars_ahead < others.size()) front.prefetch_star(others[i + stars_ahead]);
+    const Front::Index k = others[i];
+    const bool is_seen = front.priorities().value[k] > 0.0F;
+    if (is_seen && may_exceed(front, k, left))
       left.include({front.errors()[k], front.guaranteed_errors()[k],
                     scene_.views[object].largest_scale_px(front.star(k).sphere)});
   }

@@ -28,10 +28,10 @@ struct FrontView {
   glm::vec3 center{0.0F};  // center that motion is counted from, object space
 };
 
-// Returns the priority of a split with this star and these errors. Precondition: the star has at most
-// FrontStar::max_faces faces and is wholly inside the frustum.
-[[nodiscard]] FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors,
-                                           const FrontView& front_view);
+// Returns the priority of a split with this star and these errors, or nothing unless the star is wholly inside the
+// frustum. Precondition: it has at most FrontStar::max_faces faces.
+[[nodiscard]] std::optional<FrontPriority> front_priority(const FrontStar& star, const SplitErrors& errors,
+                                                          const FrontView& front_view);
 
 // Priorities within this factor of the level, the priority at which the budget ended, are looked at first.
 inline constexpr float level_band = 1.06F;
@@ -101,9 +101,11 @@ class FrontEvaluation {
 
     Front front;
     std::optional<ObjectView> view;  // view in the last frame
+    float steepness = 0.0F;          // see FrontView
     ViewMotion motion;               // since the front was last evaluated as a whole
   };
 
+  void see(std::uint32_t object);
   void move(std::uint32_t object);
   [[nodiscard]] std::optional<SplitWorth> find_worth(std::uint32_t object, Front::Index k);
   [[nodiscard]] SplitWorth worth_of_other(std::uint32_t object, Front::Index k);
@@ -114,7 +116,8 @@ class FrontEvaluation {
   RefinedScene scene_;
   std::vector<Object> objects_;
   std::optional<View> last_view_;
-  std::vector<Front::Index> found_, expired_, outdated_;  // scratch
+  std::vector<Front::Index> found_, expired_, outdated_;  // scratch, like the next one
+  std::vector<SplitWorth> worths_;
 };
 
 }  // namespace occlod

@@ -167,6 +167,7 @@ void FrontQueries::ask_all() {
 // Unmarks hidden and covered nodes that no question could show again.
 void FrontQueries::forget_what_is_not_asked(std::uint32_t object) {
   const OcclusionQueries& queries = *evaluation_.scene().queries;
+  if (queries.asks_stars() && evaluation_.scene().gate->asks_everywhere(object)) return;
   Front& front = evaluation_.front(object);
   found_.clear();
   select(evaluation_.errors(object), {.all = Front::hidden}, found_);

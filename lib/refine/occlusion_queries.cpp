@@ -10,6 +10,7 @@
 #include "occlod/base.h"
 #include "refine/star_visibility.h"
 #include "refine/tuning.h"
+#include "splits/star.h"
 
 namespace occlod {
 
@@ -145,6 +146,19 @@ std::uint8_t OcclusionQueries::region_of(const Entry& entry) const {
   return static_cast<std::uint8_t>(scene_.gate->region_of(entry.object, center));
 }
 
+void OcclusionQueries::prefetch_star(const Entry& entry) const noexcept {
+  const Hierarchy& hierarchy = scene_.cuts->hierarchy(entry.object);
+  prefetch(hierarchy.data().stars.data() + hierarchy.node(entry.split).star);
+}
+
+// Prefetches the corners of a split's star. The star should be in the caches already.
+void OcclusionQueries::prefetch_corners(const Entry& entry) const noexcept {
+  const Hierarchy& hierarchy = scene_.cuts->hierarchy(entry.object);
+  const SplitStar star = star_of(hierarchy, entry.split);
+  if (!star.is_fan()) return;
+  for (const VertexId v : star.ring()) prefetch(hierarchy.positions().data() + v);
+}
+
 // Asks about those whose vertices do not show.
 void OcclusionQueries::ask_about_bounds(std::span<const Entry> entries, std::span<Verdict> verdicts,
                                         Scratch& scratch) const {
@@ -155,11 +169,18 @@ void OcclusionQueries::ask_about_bounds(std::span<const Entry> entries, std::spa
   for (std::size_t i = 0; i < entries.size(); ++i) {
     if (verdicts[i].vertex_shows) continue;
     asked.push_back(i);
-    first_points.push_back(points.size());
-    if (entries[i].kind == Entry::Kind::apply)
-      StarVisibility::append_points(scene_.cuts->hierarchy(entries[i].object), entries[i].split, points);
+    if (entries[i].kind == Entry::Kind::apply) prefetch_star(entries[i]);
   }
   if (asked.empty()) return;
+  constexpr std::size_t ahead = 4;  // stars do not lie in the order of questions, nor do their corners
+  for (std::size_t k = 0; k < asked.size(); ++k) {
+    if (k + ahead < asked.size() && entries[asked[k + ahead]].kind == Entry::Kind::apply)
+      prefetch_corners(entries[asked[k + ahead]]);
+    const Entry& entry = entries[asked[k]];
+    first_points.push_back(points.size());
+    if (entry.kind == Entry::Kind::apply)
+      StarVisibility::append_points(scene_.cuts->hierarchy(entry.object), entry.split, points);
+  }
   first_points.push_back(points.size());
   queries.clear();
   for (std::size_t k = 0; k < asked.size(); ++k) {

@@ -51,6 +51,9 @@ class EffectGate {
     stats_[object].cone_culled += culled ? 1 : 0;
     return culled;
   }
+  [[nodiscard]] bool asks_everywhere(std::uint32_t object) const noexcept {
+    return objects_[object].regions == all_effect_regions;
+  }
   // Returns whether the options allow questions around `center` (object space).
   [[nodiscard]] bool asks(std::uint32_t object, const glm::vec3& center) const noexcept {
     const std::uint64_t regions = objects_[object].regions;
@@ -160,6 +163,8 @@ class OcclusionQueries {
  private:
   [[nodiscard]] std::uint8_t region_of(const Entry& entry) const;
   void find_vertices_that_show(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
+  void prefetch_star(const Entry& entry) const noexcept;
+  void prefetch_corners(const Entry& entry) const noexcept;
   void ask_about_bounds(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
   void find_covered(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
   [[nodiscard]] VisibilityQuery query_about(const Entry& entry) const;

@@ -197,8 +197,8 @@ TEST(FrontView, WhatHoldsIsWhatLookingTells) {
         continue;
       }
       const FrontPriority found =
-          front_priority(star, {front.errors()[k], front.guaranteed_errors()[k]},
-                         {seen, importance, false, 0.5F, static_cast<float>(2.0 * tan_corner_angle(seen)), {}});
+          *front_priority(star, {front.errors()[k], front.guaranteed_errors()[k]},
+                          {seen, importance, false, 0.5F, static_cast<float>(2.0 * tan_corner_angle(seen)), {}});
       const float now = found.value.visible_share > 0.0F ? found.value.priority : 0.0F;
       if (priorities.is_outdated(k)) {
         ++outdated;
