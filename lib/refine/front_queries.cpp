@@ -139,9 +139,9 @@ std::size_t FrontQueries::ask_again(float level) {
   return asked_.size();
 }
 
-std::span<const Entry> FrontQueries::check_hidden(float level) {
+std::span<const Entry> FrontQueries::check_hidden(float least) {
   draw_occluder();
-  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) ask_about_hidden(i, min_error(level));
+  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) ask_about_hidden(i, least);
   ask_all();
   return asked_;
 }
@@ -167,6 +167,7 @@ void FrontQueries::ask_all() {
 // Unmarks hidden and covered nodes that no question could show again.
 void FrontQueries::forget_what_is_not_asked(std::uint32_t object) {
   const OcclusionQueries& queries = *evaluation_.scene().queries;
+  if (queries.asks_everywhere(object) && queries.asks_stars()) return;
   Front& front = evaluation_.front(object);
   found_.clear();
   select(evaluation_.errors(object), {.all = Front::hidden}, found_);
