@@ -65,7 +65,7 @@ class FrontQueries {
   // met for the first time is asked about when its turn comes. `level` is the priority at which the budget ended.
   // Returns how many hidden nodes are shown now.
   std::size_t ask_again(float level);
-  // Draws an occluder, then asks about hidden nodes whose errors may exceed `least`, in pixels. Returns those that are
+  // Draws an occluder, then asks about hidden nodes whose errors exceed `least`, in pixels. Returns those that are
   // shown now; valid until the next question.
   std::span<const Entry> check_hidden(float least);
   // Returns whether the occluder of this frame hides the entry. Asks unless it has been asked already.

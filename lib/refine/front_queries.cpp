@@ -188,14 +188,16 @@ void FrontQueries::ask_about(std::uint32_t object, Front::Index k, Entry::Kind k
     asked_.push_back({0.0F, front.error_at_most(k), node.split, object, node.level, 0, kind});
 }
 
-// Asks about hidden nodes whose errors may exceed `least`.
+// Asks about hidden nodes whose errors in this view exceed `least`.
 void FrontQueries::ask_about_hidden(std::uint32_t object, float least) {
   const Front& front = evaluation_.front(object);
   const Entry::Kind about_splits = evaluation_.scene().queries->split_question();
   found_.clear();
   select(evaluation_.errors(object), {.all = Front::hidden, .may_exceed = least}, found_);
+  evaluation_.evaluate(object, found_);
   for (const Front::Index k : found_)
-    ask_about(object, k, front.is(k, Front::subtree_hidden) ? Entry::Kind::visit : about_splits);
+    if (front.error_at_most(k).quadric_px > least)
+      ask_about(object, k, front.is(k, Front::subtree_hidden) ? Entry::Kind::visit : about_splits);
 }
 
 // Asks a backend that prefers many questions at once about everything that may come up.
