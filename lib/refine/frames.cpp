@@ -494,7 +494,7 @@ constexpr double lost_part = 0.25;
 constexpr std::uint32_t max_restless_frames = 4 * weighing_rounds;
 
 // What the mesh of a frame turns out to show matters much when its error is this many times the level.
-constexpr float much_error = 8.0F;
+constexpr float much_error = 4.0F;
 // After this many consecutive checks that showed nothing, one frame in rare_checks is checked.
 constexpr std::uint32_t max_useless_checks = 8, rare_checks = 4;
 
