@@ -542,10 +542,10 @@ constexpr double lost_part = 0.25;
 // In a view that does not move, exchanges after this many frames only go back and forth.
 constexpr std::uint32_t max_restless_frames = 4 * weighing_rounds;
 
-// What the mesh of a frame turns out to show matters when its error is this many times the level.
+// What the mesh of a frame turns out to show matters much when its error is this many times the level.
 constexpr float much_error = 4.0F;
-// After this many consecutive checks that found nothing that matters, one frame in rare_checks is checked.
-constexpr std::uint32_t max_useless_checks = 16, rare_checks = 4;
+// After this many consecutive checks that showed nothing, one frame in rare_checks is checked.
+constexpr std::uint32_t max_useless_checks = 8, rare_checks = 4;
 
 std::vector<DrawnMesh> meshes_of(std::span<const RefineObject> objects, std::span<RefinedObject> result) {
   std::vector<DrawnMesh> meshes;
@@ -602,7 +602,7 @@ void Frames::advance(bool moved, Clock::time_point start, RefineStats& stats) {
 }
 
 // Exchanges splits, where hidden ones give way. Where the mesh of the frame before bulged, this mesh hides less: what
-// turns out to be visible is applied after all.
+// turns out to be visible is applied after all, if it matters much; the rest waits for the next frame.
 void Frames::exchange_splits(bool moved, RefineStats& stats) {
   const RefinedScene& scene = evaluation_.scene();
   const bool can_hide = scene.queries->can_hide();
@@ -613,15 +613,10 @@ void Frames::exchange_splits(bool moved, RefineStats& stats) {
   exchange_.run();
   if (!can_hide || !moved || !tuning_of(*scene.options).final_check || exchange_.changes() == 0) return;
   if (checks_since_useful_ > max_useless_checks && frame_ % rare_checks != 0) return;
-  const std::span<const Entry> shown = queries_.check_hidden(exchange_.level());
+  const std::span<const Entry> shown = queries_.check_hidden(much_error * exchange_.level());
+  checks_since_useful_ = shown.empty() ? checks_since_useful_ + 1 : 1;
   stats.readmitted += shown.size();
-  note_check(shown);
   exchange_.run_on(shown);
-}
-
-void Frames::note_check(std::span<const Entry> shown) {
-  const auto matters = [&](const Entry& entry) { return entry.error.quadric_px > much_error * exchange_.level(); };
-  checks_since_useful_ = std::any_of(shown.begin(), shown.end(), matters) ? 1 : checks_since_useful_ + 1;
 }
 
 void Frames::measure(RefineStats& stats) {

@@ -65,9 +65,9 @@ class FrontQueries {
   // met for the first time is asked about when its turn comes. `level` is the priority at which the budget ended.
   // Returns how many hidden nodes are shown now.
   std::size_t ask_again(float level);
-  // Draws an occluder, then asks about hidden nodes that would matter. Returns those that are shown now; valid until
-  // the next question.
-  std::span<const Entry> check_hidden(float level);
+  // Draws an occluder, then asks about hidden nodes whose errors exceed `least`, in pixels. Returns those that are
+  // shown now; valid until the next question.
+  std::span<const Entry> check_hidden(float least);
   // Returns whether the occluder of this frame hides the entry. Asks unless it has been asked already.
   [[nodiscard]] bool is_hidden(const Entry& entry);
   // Asks about a split that has become a leaf, unless this view has shown it.
@@ -233,7 +233,7 @@ class SplitExchange {
 //   evaluates the front in the new view, where the last evaluation has expired or matters;
 //   asks again about hidden nodes, and about a part of the applied splits;
 //   exchanges splits, worst candidates first;
-//   checks hidden nodes against the new mesh, where such checks have been of use lately.
+//   checks hidden nodes with large errors against the new mesh, where such checks have been of use lately.
 // There are about twice as many nodes as applied splits, and they are scanned in vectors; what is evaluated and queued
 // is in proportion to what changes.
 class Frames {
@@ -268,7 +268,6 @@ class Frames {
  private:
   void begin();
   void exchange_splits(bool moved, RefineStats& stats);
-  void note_check(std::span<const Entry> shown);
   void measure(RefineStats& stats);
 
   FrontEvaluation evaluation_;
@@ -280,7 +279,7 @@ class Frames {
   std::uint32_t moved_frame_ = 0;  // last frame in which the view moved
   AppliedCount before_;            // counts at the end of the last frame
   std::uint32_t same_frames_ = 0;  // consecutive frames in one view that kept the mesh
-  // Number of checks of hidden nodes against a frame's own mesh, from the last that found something that matters on.
+  // Number of checks of hidden nodes against a frame's own mesh, from the last that showed something on.
   std::uint32_t checks_since_useful_ = 0;
   bool at_rest_ = false;
 };

@@ -139,9 +139,9 @@ std::size_t FrontQueries::ask_again(float level) {
   return asked_.size();
 }
 
-std::span<const Entry> FrontQueries::check_hidden(float level) {
+std::span<const Entry> FrontQueries::check_hidden(float least) {
   draw_occluder();
-  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) ask_about_hidden(i, min_error(level));
+  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) ask_about_hidden(i, least);
   ask_all();
   return asked_;
 }
@@ -167,7 +167,7 @@ void FrontQueries::ask_all() {
 // Unmarks hidden and covered nodes that no question could show again.
 void FrontQueries::forget_what_is_not_asked(std::uint32_t object) {
   const OcclusionQueries& queries = *evaluation_.scene().queries;
-  if (queries.asks_stars() && evaluation_.scene().gate->asks_everywhere(object)) return;
+  if (queries.asks_everywhere(object) && queries.asks_stars()) return;
   Front& front = evaluation_.front(object);
   found_.clear();
   select(evaluation_.errors(object), {.all = Front::hidden}, found_);
@@ -188,14 +188,16 @@ void FrontQueries::ask_about(std::uint32_t object, Front::Index k, Entry::Kind k
     asked_.push_back({0.0F, front.error_at_most(k), node.split, object, node.level, 0, kind});
 }
 
-// Asks about hidden nodes whose errors may exceed `least`.
+// Asks about hidden nodes whose errors in this view exceed `least`.
 void FrontQueries::ask_about_hidden(std::uint32_t object, float least) {
   const Front& front = evaluation_.front(object);
   const Entry::Kind about_splits = evaluation_.scene().queries->split_question();
   found_.clear();
   select(evaluation_.errors(object), {.all = Front::hidden, .may_exceed = least}, found_);
+  evaluation_.evaluate(object, found_);
   for (const Front::Index k : found_)
-    ask_about(object, k, front.is(k, Front::subtree_hidden) ? Entry::Kind::visit : about_splits);
+    if (front.error_at_most(k).quadric_px > least)
+      ask_about(object, k, front.is(k, Front::subtree_hidden) ? Entry::Kind::visit : about_splits);
 }
 
 // Asks a backend that prefers many questions at once about everything that may come up.

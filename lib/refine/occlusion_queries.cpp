@@ -62,7 +62,7 @@ bool OcclusionQueries::asks(const Entry& entry) const {
 }
 
 bool OcclusionQueries::asks_in_region(std::uint32_t object, SplitId s) const {
-  return scene_.gate->asks(object, scene_.cuts->hierarchy(object).node(s).sphere.center);
+  return asks_everywhere(object) || scene_.gate->asks(object, scene_.cuts->hierarchy(object).node(s).sphere.center);
 }
 
 bool OcclusionQueries::asks_stars() const {

@@ -51,13 +51,13 @@ class EffectGate {
     stats_[object].cone_culled += culled ? 1 : 0;
     return culled;
   }
+  // Returns whether the options allow questions everywhere in the object.
   [[nodiscard]] bool asks_everywhere(std::uint32_t object) const noexcept {
     return objects_[object].regions == all_effect_regions;
   }
   // Returns whether the options allow questions around `center` (object space).
   [[nodiscard]] bool asks(std::uint32_t object, const glm::vec3& center) const noexcept {
     const std::uint64_t regions = objects_[object].regions;
-    if (regions == all_effect_regions) return true;
     return regions != 0 && ((regions >> objects_[object].grid.region_of(center)) & 1U) != 0;
   }
   [[nodiscard]] std::size_t region_of(std::uint32_t object, const glm::vec3& center) const noexcept {
@@ -112,6 +112,8 @@ class OcclusionQueries {
 
   // Returns whether the options let this question be asked: by its kind, its level in the forest and its region.
   [[nodiscard]] bool asks(const Entry& entry) const;
+  // Returns whether the options let something be asked about every split of the object.
+  [[nodiscard]] bool asks_everywhere(std::uint32_t object) const { return scene_.gate->asks_everywhere(object); }
   // Returns whether the options let anything about this split be asked.
   [[nodiscard]] bool asks_in_region(std::uint32_t object, SplitId s) const;
   // Return whether stars are asked about, and whether splits are, before and while they are applied.

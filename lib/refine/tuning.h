@@ -43,8 +43,8 @@ struct Tuning {
   // These may change from frame to frame.
   std::uint32_t level_step = 2;  // ask about subtrees on every n-th forest level; >= 1. 2: odd ones, as the paper, 3.3
   bool ask_stars = true;         // Culling::star: ask about each split's own faces before it is applied
-  bool final_check = true;       // ask again about all that is hidden before the result; what turns out to be visible
-                                 // replaces splits of lower priority
+  bool final_check = true;       // ask again about all that is hidden before the result, in update() only about large
+                                 // errors; what turns out to be visible replaces splits of lower priority
   double hysteresis = 0.03;      // update(): relative margin by which a candidate must exceed an applied split; [0, 1)
 
   friend bool operator==(const Tuning&, const Tuning&) = default;

@@ -291,6 +291,26 @@ TEST(FramesOptions, OtherQuestionsGoOn) {
   EXPECT_GT(refiner.update(View(orbiting(7.0, 6.0)), options, *software).effects[0].queries(), 0U);
 }
 
+// Most of what is hidden lies near the level, and what the check would show of it the next frame shows anyway. So the
+// check asks about a part of the nodes that the questions before it found hidden.
+TEST(FramesCheck, AsksOnlyAboutLargeErrors) {
+  const std::vector<RefineObject> objects = two_planets();
+  RefineOptions checked;
+  checked.budget = 3'000;
+  RefineOptions unchecked = checked;
+  tune(unchecked).final_check = false;
+  const auto software = make_software_occlusion(), other = make_software_occlusion();
+  Refiner with(objects), without(objects);
+  for (Refiner* const refiner : {&with, &without})  // both have the same cut when the frame begins
+    (void)refiner->update(View(orbiting(0.0, 6.0)), unchecked, refiner == &with ? *software : *other);
+  const RefineStats fewer = without.update(View(orbiting(3.0, 6.0)), unchecked, *other).stats;
+  const RefineStats more = with.update(View(orbiting(3.0, 6.0)), checked, *software).stats;
+  ASSERT_EQ(fewer.occluder_draws, 1U);
+  ASSERT_EQ(more.occluder_draws, 2U);
+  EXPECT_GT(more.queries, fewer.queries);
+  EXPECT_LT(more.queries - fewer.queries, 3 * fewer.queries_hidden / 4);
+}
+
 INSTANTIATE_TEST_SUITE_P(Ways, Frames,
                          testing::Values(Way{Culling::subtree, false}, Way{Culling::subtree, true},
                                          Way{Culling::star, false}, Way{Culling::star, true}),
