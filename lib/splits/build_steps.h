@@ -42,7 +42,7 @@ struct Assembly {
 [[nodiscard]] Assembly assemble(const TriangleMesh& mesh, CollapseSequence sequence, unsigned threads);
 
 // Makes the nodes with the bounds and normal cones of split subtrees, which completes the hierarchy. O(n * depth / 64 +
-// n * 4,096) in the worst case; close to O(n) on real meshes. The result does not depend on the number of threads.
+// n * 8,192) in the worst case; close to O(n) on real meshes. The result does not depend on the number of threads.
 [[nodiscard]] HierarchyData bound_subtrees(Assembly assembly, unsigned threads);
 
 }  // namespace occlod

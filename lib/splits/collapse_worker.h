@@ -106,7 +106,7 @@ struct BlockRecord {
 // block_size. Blocks that run at the same time may add collapses, each to its own record.
 class CollapseRecords {
  public:
-  static constexpr std::size_t block_size = 4096;
+  static constexpr std::size_t block_size = 8192;
 
   // Makes room for so many blocks, the last of them with at most this many collapses.
   void resize(std::size_t blocks, std::size_t last_size) {
