@@ -53,11 +53,13 @@ struct LargeAllocator {
   template <typename U>
   LargeAllocator(const LargeAllocator<U>& /*other*/) noexcept {}  // NOLINT(google-explicit-constructor)
 
+  // NOLINTBEGIN(bugprone-sizeof-expression): T may be a pointer
   [[nodiscard]] T* allocate(std::size_t count) {
     if (count > static_cast<std::size_t>(-1) / sizeof(T)) throw std::bad_array_new_length();
     return static_cast<T*>(allocate_large(count * sizeof(T)));
   }
   void deallocate(T* memory, std::size_t count) noexcept { free_large(memory, count * sizeof(T)); }
+  // NOLINTEND(bugprone-sizeof-expression)
 
   friend bool operator==(const LargeAllocator&, const LargeAllocator&) { return true; }
 };
