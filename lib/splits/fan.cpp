@@ -28,7 +28,8 @@ bool Fan::gather(const StarMesh& mesh, VertexId v) {
   padded_ = (size_ + 7) & ~std::size_t{7};
   const auto ring = star.ring();
   // Whole vectors of the star are read, and what lies behind the ring is masked: the length of a loop that changes from
-  // star to star cannot be predicted.
+  // star to star cannot be predicted. Behind the ring lie the numbers of the collapses that made its faces, as many
+  // again, and no star has room for less than 8.
   const VertexId* const ids = ring.data();
   const VertexId* const beyond = behind_ring.data() + (max_neighbours - size_);
   const VertexId first = ids[0];
