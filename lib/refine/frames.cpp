@@ -26,6 +26,20 @@ std::uint32_t count_removed(const SplitStar& star, SplitId from) {
   return faces;
 }
 
+// Adds up charge_of(split) over the faces of other splits that a star removes. Those of one split mostly follow each
+// other, and its charge is found once for these.
+template <typename ChargeOf>
+float sum_over_removed(const SplitStar& star, const ChargeOf& charge_of) {
+  float sum = 0.0F, charge = 0.0F;
+  SplitId last = no_id;
+  star.for_each_removed_ref([&](const FaceRef& face) {
+    if (face.split == no_id) return;
+    if (std::exchange(last, face.split) != face.split) charge = charge_of(face.split);
+    sum += charge;
+  });
+  return sum;
+}
+
 }  // namespace
 
 // Finds at once which stars are seen of what these splits need, and which of `forced`: looking at one after the other
@@ -75,34 +89,20 @@ float UnseenNeeds::weight_of_closure(std::uint32_t object, const Cut::Closure& c
 float UnseenNeeds::needed_by(std::uint32_t object, SplitId s, int depth) {
   const Cut& cut = (*evaluation_.scene().cuts)[object];
   const SplitStar star = star_of(evaluation_.scene().hierarchy(object), s);
-  float unseen = 0.0F, last_charge = 0.0F;
-  SplitId last = no_id;  // faces of one split mostly follow each other
-  star.for_each_removed_ref([&](const FaceRef& face) {
-    if (face.split == no_id) return;
-    if (face.split != last)
-      last_charge = charge(object, face.split, count_removed(star, face.split), cut.removed_faces(face.split), depth);
-    last = face.split;
-    unseen += last_charge;
+  return sum_over_removed(star, [&](SplitId from) {
+    return charge(object, from, count_removed(star, from), cut.removed_faces(from), depth);
   });
-  return unseen;
 }
 
 // Returns the charges for splits that are already applied.
 float UnseenNeeds::needed_by_unapplied(std::uint32_t object, SplitId s) {
   const Cut& cut = (*evaluation_.scene().cuts)[object];
   const SplitStar star = star_of(evaluation_.scene().hierarchy(object), s);
-  float unseen = 0.0F, last_charge = 0.0F;
-  SplitId last = no_id;
-  star.for_each_removed_ref([&](const FaceRef& face) {
-    if (face.split == no_id || !cut.applied(face.split)) return;
-    if (face.split != last) {
-      const std::uint32_t own = count_removed(star, face.split);
-      last_charge = charge(object, face.split, own, own + cut.removed_faces(face.split), max_depth);
-    }
-    last = face.split;
-    unseen += last_charge;
+  return sum_over_removed(star, [&](SplitId from) {
+    if (!cut.applied(from)) return 0.0F;
+    const std::uint32_t own = count_removed(star, from);
+    return charge(object, from, own, own + cut.removed_faces(from), max_depth);
   });
-  return unseen;
 }
 
 // Returns the charge per face for `own` of the `removed` faces of s.
