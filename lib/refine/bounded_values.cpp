@@ -159,6 +159,8 @@ HWY_EXPORT(update_error_factors);
 HWY_EXPORT(find_largest_at_least);
 
 constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+// No motion is this small, not even that to a sum that has begun again at 0.
+constexpr float no_motion = -std::numeric_limits<float>::infinity();
 
 template <typename Visit>
 void for_each_array(BoundedValues& of, const Visit& visit) {
@@ -200,12 +202,12 @@ void BoundedValues::put(std::size_t k, float computed, const ErrorGrowth& growth
 
 void BoundedValues::forget(std::size_t k) {
   error_factor[k] = unknown;
-  motion_limit[k] = -1.0F;
+  motion_limit[k] = no_motion;
 }
 
 void BoundedValues::forget_all() {
   std::fill(error_factor.begin(), error_factor.end(), unknown);
-  std::fill(motion_limit.begin(), motion_limit.end(), -1.0F);
+  std::fill(motion_limit.begin(), motion_limit.end(), no_motion);
 }
 
 void BoundedValues::update(const ViewMotion& now) { HWY_DYNAMIC_DISPATCH(update_error_factors)(*this, now); }

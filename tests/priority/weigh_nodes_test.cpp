@@ -213,5 +213,23 @@ TEST(FrontView, WhatHoldsIsWhatLookingTells) {
   EXPECT_LT(outdated, held / 2);
 }
 
+// Sums of motion begin again at 0 when they have grown too large. What was forgotten then stays unknown until it is
+// computed anew, however much smaller the new sums are.
+TEST(BoundedValues, StayForgottenWhenSumsBeginAgain) {
+  BoundedValues values;
+  for (int k = 0; k < 9; ++k) values.add();
+  const ViewMotion far = {100.0, 100.0, 20.0}, again = {0.1, 0.1, 0.01};
+  for (std::size_t k = 0; k < 9; ++k) values.put(k, 2.0F, {k % 2 == 0 ? 3.0F : -3.0F, 0.5F, 1.0F, 0.5F, 1.0F}, far);
+  values.update(far);
+  for (std::size_t k = 0; k < 9; ++k) EXPECT_FALSE(values.is_outdated(k)) << k;
+  values.forget_all();
+  values.update(again);
+  for (std::size_t k = 0; k < 9; ++k) EXPECT_TRUE(values.is_outdated(k)) << k;
+  values.put(4, 2.0F, {3.0F, 0.5F, 1.0F, 0.5F, 1.0F}, far);
+  values.forget(4);
+  values.update(again);
+  EXPECT_TRUE(values.is_outdated(4));
+}
+
 }  // namespace
 }  // namespace occlod
