@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -42,13 +43,17 @@ struct Options {
   std::filesystem::path json;
 };
 
+// What tells what is hidden: nothing, an occluder, or the picture of the frame before.
+enum class Occlusion { none, software, picture };
+constexpr std::array occlusions = {Occlusion::none, Occlusion::software, Occlusion::picture};
+
 // What is compared: a path, a budget, and what is culled.
 struct Subject {
   std::string scene, path_name;
   const CameraPath* path = nullptr;
   const std::vector<LoadedObject>* objects = nullptr;
   RefineOptions options;
-  bool occlusion = false;
+  Occlusion occlusion = Occlusion::none;
 };
 
 // Of each frame of a path.
@@ -83,12 +88,32 @@ double visible_share(const Subject& subject, const Refinement& refinement, const
          static_cast<double>(std::max<std::size_t>(triangles, 1));
 }
 
+// A backend for one way to refine.
+class Sight {
+ public:
+  explicit Sight(const Subject& subject) : subject_(subject) {}
+
+  [[nodiscard]] Visibility& backend() {
+    return subject_.occlusion == Occlusion::none ? static_cast<Visibility&>(none_) : *software_;
+  }
+  // Shows the backend the frame, if the subject wants that.
+  void show(const Refinement& frame, const View& view) {
+    if (subject_.occlusion != Occlusion::picture) return;
+    tool::redraw(items_, tool::draw_objects(*subject_.objects, frame), view);
+    software_->show(items_.depth);
+  }
+
+ private:
+  const Subject& subject_;
+  std::unique_ptr<SoftwareOcclusion> software_ = make_software_occlusion();
+  NoOcclusion none_;
+  ItemBuffer items_;
+};
+
 class PathComparison {
  public:
   PathComparison(const Options& options, const Subject& subject)
-      : options_(options), subject_(subject), objects_(tool::refine_objects(*subject.objects)) {
-    if (subject.occlusion) visibility_ = make_software_occlusion();
-  }
+      : options_(options), subject_(subject), objects_(tool::refine_objects(*subject.objects)), judge_(subject) {}
 
   [[nodiscard]] Comparison run() {
     compare_both();
@@ -103,9 +128,11 @@ class PathComparison {
   // One and the other in turns, frame by frame.
   void compare_both() {
     RefinerLog scratch(objects_), frames(objects_);
+    Sight scratch_sight(subject_), frame_sight(subject_);
     for (int i = 0; i < count(); ++i) {
-      scratch.step(view(i), subject_.options, *visibility_, false);
-      frames.step(view(i), subject_.options, *visibility_, true);
+      scratch.step(view(i), subject_.options, scratch_sight.backend(), false);
+      frames.step(view(i), subject_.options, frame_sight.backend(), true);
+      frame_sight.show(*frames.last, view(i));
       result_.changed_triangles.push_back(static_cast<double>(frames.last->stats.changed_triangles));
       if (options_.quality) compare_quality(*scratch.last, *frames.last, view(i));
     }
@@ -115,22 +142,26 @@ class PathComparison {
   }
 
   void compare_quality(const Refinement& scratch, const Refinement& frame, const View& view) {
-    result_.error_ratios.push_back(ratio_of(oracle::cut_error(objects_, frame, view, *visibility_).quadric_px,
-                                            oracle::cut_error(objects_, scratch, view, *visibility_).quadric_px));
+    result_.error_ratios.push_back(ratio_of(oracle::cut_error(objects_, frame, view, judge_.backend()).quadric_px,
+                                            oracle::cut_error(objects_, scratch, view, judge_.backend()).quadric_px));
     result_.scratch_shares.push_back(visible_share(subject_, scratch, view));
     result_.frame_shares.push_back(visible_share(subject_, frame, view));
   }
 
   void time_frames() {
     RefinerLog frames(objects_);
-    for (int i = 0; i < count(); ++i) frames.step(view(i), subject_.options, *visibility_, true);
+    Sight sight(subject_);
+    for (int i = 0; i < count(); ++i) {
+      frames.step(view(i), subject_.options, sight.backend(), true);
+      sight.show(*frames.last, view(i));
+    }
     result_.rounds.push_back(frames.log);
   }
 
   const Options& options_;
   const Subject& subject_;
   std::vector<RefineObject> objects_;
-  std::unique_ptr<Visibility> visibility_ = std::make_unique<NoOcclusion>();
+  Sight judge_;
   Comparison result_;
 };
 
@@ -149,7 +180,9 @@ double mean_percent(const std::vector<double>& shares) {
 const char* culling_name(const Subject& subject) {
   return tuning_of(subject.options).culling == Culling::star ? "star" : "subtree";
 }
-const char* occlusion_name(const Subject& subject) { return subject.occlusion ? "software" : "none"; }
+const char* occlusion_name(const Subject& subject) {
+  return std::array{"none", "software", "picture"}[static_cast<std::size_t>(subject.occlusion)];
+}
 
 void print_row(const Subject& subject, const Comparison& result) {
   const std::vector<double> ms = least_of(result.rounds, &FrameLog::ms);
@@ -191,7 +224,7 @@ void compare_path(const Options& options, const std::string& scene, const tool::
   const std::size_t least = Refiner(tool::refine_objects(input.objects)).base_triangles();
   for (const std::size_t budget : options.budgets)
     for (const Culling culling : {Culling::subtree, Culling::star})
-      for (const bool occlusion : {false, true}) {
+      for (const Occlusion occlusion : occlusions) {
         Subject subject{scene, input.path_name, &*input.path, &input.objects, {}, occlusion};
         subject.options.budget = std::max(budget, least);
         tune(subject.options).culling = culling;

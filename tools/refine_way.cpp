@@ -28,12 +28,21 @@ RefineWay::RefineWay(const std::vector<LoadedObject>& objects, const BackendOpti
   if (!auto_options.calibration.empty() || !auto_options.save_calibration.empty())
     throw Error(
         {options.occlusion, "--calibration", "is not an option of this backend", "use it with --occlusion auto"});
+  if (options.occlusion == "picture") {
+    std::unique_ptr<SoftwareOcclusion> software = make_software_occlusion();
+    pictured_ = software.get();
+    visibility_ = std::move(software);
+    return;
+  }
   Backend backend = make_backend(options);
   visibility_ = std::move(backend.visibility);
   gl_ = std::move(backend.gl);
 }
 
-std::string RefineWay::name() const { return auto_ ? "auto" : std::string(visibility_->name()); }
+std::string RefineWay::name() const {
+  if (auto_) return "auto";
+  return pictured_ != nullptr ? "picture" : std::string(visibility_->name());
+}
 
 void RefineWay::repeat(Measurement& measurement, const View& view, const RefineOptions& options) {
   if (auto_)

@@ -30,6 +30,10 @@ class RefineWay {
 
   [[nodiscard]] std::string name() const;  // of the backend, or "auto"
   [[nodiscard]] const Json& gl() const { return gl_; }
+  // Shows the backend what was drawn, if it is asked for pictures.
+  void show(const DepthBuffer& depth) {
+    if (pictured_ != nullptr) pictured_->show(depth);
+  }
   // Repeats once more.
   void repeat(Measurement& measurement, const View& view, const RefineOptions& options);
 
@@ -40,6 +44,7 @@ class RefineWay {
 
  private:
   std::unique_ptr<Visibility> visibility_;
+  SoftwareOcclusion* pictured_ = nullptr;  // visibility_, if it is to be shown pictures
   std::unique_ptr<AutoRefiner> auto_;
   NoOcclusion none_;
   Json gl_;

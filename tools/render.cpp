@@ -100,6 +100,9 @@ BackendOptions backend_options(const RenderOptions& options) {
   const bool is_auto = backend.occlusion == "auto";
   if (!is_auto && options.explain)
     throw Error({backend.occlusion, "--explain", "has no choice to explain", "use it with --occlusion auto"});
+  if (backend.occlusion == "picture" && !options.frame_to_frame)
+    throw Error({backend.occlusion, "--occlusion", "needs the picture of a frame before",
+                 "use it with --path and --frame-to-frame"});
   return backend;
 }
 
@@ -122,7 +125,7 @@ void run(const RenderOptions& options) {
   const SceneDescription scene = describe_render_input(options.input);
   CommandFiles files;
   add_files(options, scene, files);
-  if (backend.occlusion != "auto") (void)make_backend(backend);  // fails before much is read and built
+  if (backend.occlusion == "gl-query") (void)make_backend(backend);  // fails before much is read and built
   const RenderInput input = load_render_input(options.input, scene);
   std::vector<LoadedHlod> hlods;  // to compare with
   if (options.explain) hlods = load_hlods_of(scene, options.input.file.parent_path(), options.input.use_cache);

@@ -43,8 +43,9 @@ void add_occlusion_options(CLI::App& command, RenderOptions& options) {
   command.option_defaults()->group("Occlusion");
   add_choice<std::string>(
       command, "--occlusion", options.backend.occlusion,
-      {{"auto", "auto"}, {"none", "none"}, {"software", "software"}, {"gl-query", "gl-query"}},
-      "What answers occlusion queries; auto: in each view whatever pays. If not given: software; auto with --path but "
+      {{"auto", "auto"}, {"none", "none"}, {"software", "software"}, {"picture", "picture"}, {"gl-query", "gl-query"}},
+      "What answers occlusion queries; picture: with --frame-to-frame, the depth of the frame before, where there is "
+      "one; auto: in each view whatever pays. If not given: software; auto with --path but "
       "without --frame-to-frame, and with --explain or a calibration");
   command.add_flag_callback(
       "--conservative", [&refine] { refine.mode = OccluderMode::conservative; },

@@ -55,6 +55,7 @@ void render_path(const RenderInput& input, const RefineOptions& options, RefineW
     const View view(camera_at(*input.path, i));
     measurement.begin();
     for (int round = 0; round < output.repeat; ++round) way.repeat(measurement, view, options);
+    way.show(measurement.items().depth);
     Json frame = {{"frame", i}};
     frame.update(stats_of(measurement));
     if (output.following == Following::frame_to_frame) frame.update(changes_of(measurement.refinement().stats));

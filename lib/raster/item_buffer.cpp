@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
+#include <string>
 
+#include "occlod/base.h"
 #include "raster/clip.h"
 #include "raster/depth_image.h"
 #include "raster/projection.h"
@@ -146,6 +148,32 @@ void DepthBuffer::reset(int new_width, int new_height) {
 void ItemBuffer::reset(int width, int height) {
   depth.reset(width, height);
   items.assign(depth.nearness.size(), no_item);
+}
+
+void read_depth(DepthBuffer& target, std::span<const float> depth, const View& view, ClipDepth clip,
+                bool rows_from_bottom) {
+  const auto width = static_cast<std::size_t>(view.width()), height = static_cast<std::size_t>(view.height());
+  if (depth.size() != width * height)
+    throw Error({"picture", "", "has " + std::to_string(depth.size()) + " depths",
+                 "give one for each of " + std::to_string(width) + " x " + std::to_string(height) + " pixels"});
+  const double near = view.camera().near, far = view.camera().far;
+  // Nearness is linear in depth.
+  const double nearest = view.is_orthographic() ? 1.0 : 1.0 / near, farthest = view.is_orthographic() ? 0.0 : 1.0 / far;
+  const bool reversed = clip == ClipDepth::one_to_zero;
+  constexpr double step = 1.0 / (1 << 24);
+  const auto slope = static_cast<float>((reversed ? 1.0 : -1.0) * (nearest - farthest));
+  const auto at_zero = static_cast<float>((reversed ? farthest : nearest) - 2.0 * step * (nearest - farthest));
+  target.width = view.width();
+  target.height = view.height();
+  target.nearness.resize(depth.size());
+  for (std::size_t y = 0; y < height; ++y) {
+    const float* from = depth.data() + (rows_from_bottom ? height - 1 - y : y) * width;
+    float* to = target.nearness.data() + y * width;
+    for (std::size_t x = 0; x < width; ++x) {
+      const float nearness = at_zero + slope * from[x];
+      to[x] = nearness > 0.0F ? nearness : 0.0F;  // not a number becomes empty
+    }
+  }
 }
 
 void draw_depth(DepthBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,

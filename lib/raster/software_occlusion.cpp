@@ -1,17 +1,22 @@
 #include "raster/software_occlusion.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <tuple>
 #include <type_traits>
 #include <vector>
 
+#include "occlod/base.h"
 #include "occlod/item_buffer.h"
 #include "occlod/view.h"
 #include "occlod/visibility.h"
@@ -94,22 +99,69 @@ struct Pending {
   }
 };
 
-class SoftwareOcclusion final : public Visibility {
+// The sides of a picture beyond which a view may show something.
+struct OpenSides {
+  bool left = false, right = false, top = false, bottom = false;
+
+  [[nodiscard]] bool any() const noexcept { return left || right || top || bottom; }
+};
+
+// Finds the sides of a picture beyond which some corner of the frustum of `view` is.
+OpenSides open_sides(const View& picture, const View& view) {
+  constexpr double rounding = 1e-9;
+  OpenSides open;
+  const glm::dmat4 clip_to_world = glm::inverse(view.world_to_clip());
+  for (const double z : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0})
+      for (const double x : {-1.0, 1.0}) {
+        const glm::dvec4 corner = clip_to_world * glm::dvec4(x, y, z, 1.0);
+        const glm::dvec4 p = picture.world_to_clip() * (corner / corner.w);
+        const double edge = p.w + rounding * std::abs(p.w);
+        open.left |= !(-p.x <= edge);
+        open.right |= !(p.x <= edge);
+        open.top |= !(p.y <= edge);
+        open.bottom |= !(-p.y <= edge);
+      }
+  return open;
+}
+
+class DepthOcclusion final : public SoftwareOcclusion {
  public:
-  explicit SoftwareOcclusion(bool counts_pixels) : counts_pixels_(counts_pixels) {}
+  explicit DepthOcclusion(bool counts_pixels) : counts_pixels_(counts_pixels) {}
 
   [[nodiscard]] std::string_view name() const noexcept override { return "software"; }
+  [[nodiscard]] bool has_picture() const noexcept override { return picture_shown_; }
 
   void begin_view(const View& view, std::span<const ObjectView> objects) override {
-    view_ = view;
-    objects_.assign(objects.begin(), objects.end());
-    set_scale(1.0F, 0.0F);
-    occluder_drawn_ = false;
+    next_view_ = view;
+    next_objects_.assign(objects.begin(), objects.end());
+    if (picture_shown_ && objects_.size() == objects.size())
+      open_sides_ = open_sides(*view_, view);
+    else
+      look_from(view, objects);
     forget_answers();
   }
 
+  void show(const DepthBuffer& depth) override {
+    if (!next_view_) throw Error({"picture", "", "is shown before the first view", "refine once before"});
+    show(depth, *next_view_, next_objects_);
+  }
+
+  void show(const DepthBuffer& depth, const View& view, std::span<const ObjectView> objects) override {
+    const auto size_of = [](int width, int height) { return fmt::format("{} x {} pixels", width, height); };
+    if (depth.width != view.width() || depth.height != view.height())
+      throw Error({"picture", "", "has " + size_of(depth.width, depth.height),
+                   "its view has " + size_of(view.width(), view.height())});
+    look_from(view, objects);
+    epochs_ = {};
+    pyramid_.build(depth);
+    levels_ = pyramid_.levels();
+    picture_shown_ = occluder_drawn_ = true;
+  }
+
   void draw_occluder(std::span<const OccluderPart> parts) override {
-    assert(view_ && next_answer_ == answers_.size());
+    assert(next_view_ && next_answer_ == answers_.size());
+    if (picture_shown_) look_from(*next_view_, next_objects_);
     const bool goes_on = epochs_.begin(*view_, objects_);
     set_scale(epochs_.scale(), epochs_.least());
     const DepthImage image = pyramid_.begin(view_->width(), view_->height(), !goes_on);
@@ -173,7 +225,7 @@ class SoftwareOcclusion final : public Visibility {
   // Sorts the queries of one call into batches by kind and object, and tests a batch when it fills the vectors.
   class Batches {
    public:
-    Batches(const SoftwareOcclusion& occlusion, std::span<std::uint32_t> answers)
+    Batches(const DepthOcclusion& occlusion, std::span<std::uint32_t> answers)
         : occlusion_(occlusion), answers_(answers) {}
 
     template <class Shape>
@@ -218,12 +270,29 @@ class SoftwareOcclusion final : public Visibility {
       return ScreenBounds{rect(i), bounds_.largest_nearness[i]};
     }
 
-    const SoftwareOcclusion& occlusion_;
+    const DepthOcclusion& occlusion_;
     std::span<std::uint32_t> answers_;
     std::tuple<Pending<Sphere>, Pending<Box>, Pending<Cylinder>, Pending<PointHull>> pending_;
     BoundsOutput bounds_{};  // of the batch that is being tested
     DiagonalsOutput diagonals_;
   };
+
+  // Looks at objects without an occluder.
+  void look_from(const View& view, std::span<const ObjectView> objects) {
+    view_ = view;
+    objects_.assign(objects.begin(), objects.end());
+    set_scale(1.0F, 0.0F);
+    open_sides_ = {};
+    picture_shown_ = occluder_drawn_ = false;
+  }
+
+  // Returns whether a bound may reach beyond the picture to where this view shows it.
+  [[nodiscard]] bool may_be_beyond(const PixelRect& rect) const {
+    if (!open_sides_.any()) return false;
+    if (rect.empty()) return true;
+    return (open_sides_.left && rect.x0 <= 0) || (open_sides_.right && rect.x1 >= view_->width()) ||
+           (open_sides_.top && rect.y0 <= 0) || (open_sides_.bottom && rect.y1 >= view_->height());
+  }
 
   // Sets the scale of nearness for all bounds that are computed from now on.
   void set_scale(float scale, float least) {
@@ -259,6 +328,7 @@ class SoftwareOcclusion final : public Visibility {
                                              const std::optional<ScreenBounds>& bounds) const {
     if (!bounds) return counts_pixels_ ? area({0, 0, view_->width(), view_->height()}) : 1;
     if (!occluder_drawn_) return counts_pixels_ ? area(bounds->rect) : (area(bounds->rect) > 0 ? 1 : 0);
+    if (may_be_beyond(bounds->rect)) return 1;
     const float nearest = bounds->largest_nearness;
     const DepthPyramid::Verdict verdict = pyramid_.quick_verdict(bounds->rect, nearest);
     if (verdict == DepthPyramid::Verdict::hidden) return 0;
@@ -299,8 +369,12 @@ class SoftwareOcclusion final : public Visibility {
   }
 
   bool counts_pixels_;
-  std::optional<View> view_;
-  std::vector<ObjectView> objects_;
+  std::optional<View> next_view_;         // of the last begin_view()
+  std::vector<ObjectView> next_objects_;  // in it
+  std::optional<View> view_;              // from which the occluder or the picture is seen
+  std::vector<ObjectView> objects_;       // in it
+  bool picture_shown_ = false;
+  OpenSides open_sides_;  // of the picture
   std::vector<BoundsView> bounds_views_;
   DepthEpochs epochs_;
   float nearness_scale_ = 1.0F, min_nearness_ = 0.0F;  // of the current picture, see DepthEpochs
@@ -315,7 +389,7 @@ class SoftwareOcclusion final : public Visibility {
 };
 
 template <class Shape>
-void SoftwareOcclusion::Batches::test(Pending<Shape>& batch) {
+void DepthOcclusion::Batches::test(Pending<Shape>& batch) {
   if (batch.size == 1) {  // a vector would use a single lane
     answers_[batch.answer[0]] = occlusion_.visible_pixels(batch.query(0));
   } else if (batch.size > 1) {
@@ -338,14 +412,14 @@ void SoftwareOcclusion::Batches::test(Pending<Shape>& batch) {
 
 // Tests a batch: first what a few texels decide, without unpredictable branches, then the remaining bounds.
 template <class Shape>
-void SoftwareOcclusion::Batches::test_any(const Pending<Shape>& batch) {
+void DepthOcclusion::Batches::test_any(const Pending<Shape>& batch) {
   PerBound<std::int32_t> verdicts;
   find_quick_verdicts(occlusion_.levels_, bounds_, batch.size, verdicts);
   PerBound<std::uint8_t> open;
   std::size_t open_count = 0;
   for (std::size_t i = 0; i < batch.size; ++i) {
     const auto verdict = static_cast<DepthPyramid::Verdict>(verdicts[i]);
-    const bool trusted = bounds_.trusted[i] != 0;
+    const bool trusted = bounds_.trusted[i] != 0 && !occlusion_.may_be_beyond(rect(i));
     answers_[batch.answer[i]] = (!trusted | (verdict == DepthPyramid::Verdict::visible)) ? 1 : 0;
     open[open_count] = static_cast<std::uint8_t>(i);
     open_count += (trusted & (verdict == DepthPyramid::Verdict::unknown)) ? 1 : 0;
@@ -360,9 +434,9 @@ void SoftwareOcclusion::Batches::test_any(const Pending<Shape>& batch) {
 
 }  // namespace
 
-std::unique_ptr<Visibility> make_software_occlusion() { return make_software_occlusion(false); }
-std::unique_ptr<Visibility> make_software_occlusion(bool count_pixels) {
-  return std::make_unique<SoftwareOcclusion>(count_pixels);
+std::unique_ptr<SoftwareOcclusion> make_software_occlusion() { return make_software_occlusion(false); }
+std::unique_ptr<SoftwareOcclusion> make_software_occlusion(bool count_pixels) {
+  return std::make_unique<DepthOcclusion>(count_pixels);
 }
 
 }  // namespace occlod

@@ -9,6 +9,6 @@ namespace occlod {
 
 // As without an argument; with `count_pixels` it answers with the number of visible pixels that a bound may touch, or
 // all pixels of the image where its screen rectangle cannot be bounded, instead of 0 or 1.
-[[nodiscard]] std::unique_ptr<Visibility> make_software_occlusion(bool count_pixels);
+[[nodiscard]] std::unique_ptr<SoftwareOcclusion> make_software_occlusion(bool count_pixels);
 
 }  // namespace occlod

@@ -61,9 +61,9 @@ class FrontQueries {
   // Unmarks all hidden and covered nodes, because no earlier answer holds any more.
   void forget_hidden();
 
-  // Draws an occluder, then asks about hidden nodes that would matter and about a rotating share of the leaves. What is
-  // met for the first time is asked about when its turn comes. `level` is the priority at which the budget ended.
-  // Returns how many hidden nodes are shown now.
+  // Looks at the occluder, then asks about hidden nodes that would matter and about a rotating share of the leaves.
+  // What is met for the first time is asked about when its turn comes. `level` is the priority at which the budget
+  // ended. Returns how many hidden nodes are shown now.
   std::size_t ask_again(float level);
   // Draws an occluder, then asks about hidden nodes whose errors exceed `least`, in pixels. Returns those that are
   // shown now; valid until the next question.
@@ -83,7 +83,7 @@ class FrontQueries {
   void ask_about_unapplied(std::uint32_t object, float least);
   void ask_about_leaves(std::uint32_t object);
   [[nodiscard]] bool is_shown_since(std::uint32_t draw, const FrontNode& node, Entry::Kind kind) const;
-  void draw_occluder();
+  void begin_questions(bool draws);
   // Asks all of asked_, and keeps those there that are shown now and were hidden before.
   void ask_all();
   void set_covered(Front& front, Front::Index k, bool covered) const;

@@ -127,7 +127,7 @@ void FrontQueries::begin_frame(std::uint32_t frame, bool moved) {
 }
 
 std::size_t FrontQueries::ask_again(float level) {
-  draw_occluder();
+  begin_questions(!evaluation_.scene().queries->from_picture());
   const float least = min_error(level);
   for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) {
     forget_what_is_not_asked(i);
@@ -140,14 +140,15 @@ std::size_t FrontQueries::ask_again(float level) {
 }
 
 std::span<const Entry> FrontQueries::check_hidden(float least) {
-  draw_occluder();
+  begin_questions(true);
   for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) ask_about_hidden(i, least);
   ask_all();
   return asked_;
 }
 
-void FrontQueries::draw_occluder() {
-  evaluation_.scene().queries->draw_occluder(*evaluation_.scene().cuts);
+// Begins questions to a new occluder, drawn or in a picture.
+void FrontQueries::begin_questions(bool draws) {
+  if (draws) evaluation_.scene().queries->draw_occluder(*evaluation_.scene().cuts);
   ++draw_;
   asked_.clear();
 }
@@ -272,7 +273,7 @@ void FrontQueries::forget_hidden() {
 
 bool FrontQueries::is_hidden(const Entry& entry) {
   OcclusionQueries& queries = *evaluation_.scene().queries;
-  if (!queries.can_hide() || queries.counts().draws == 0 || !queries.asks(entry)) return false;
+  if (!queries.can_hide() || !queries.has_occluder() || !queries.asks(entry)) return false;
   if (queries.in_flights()) return false;  // the answer would be waited for, so the next frame asks
   const Front& front = evaluation_.front(entry.object);
   if (is_shown_since(draw_, front.node(front.find(entry.split)), entry.kind)) return false;

@@ -149,6 +149,9 @@ class OcclusionQueries {
   // Calls find(), on as many threads as the options allow, and count(), and measures the time.
   void ask(std::span<const Entry> entries, std::span<Verdict> verdicts);
   [[nodiscard]] bool many_threads_may_ask() const noexcept { return visibility_->answers_many_threads(); }
+  // Returns whether the backend answers from a picture of an earlier view.
+  [[nodiscard]] bool from_picture() const noexcept { return visibility_->has_picture(); }
+  [[nodiscard]] bool has_occluder() const noexcept { return from_picture() || counts_.draws > 0; }
   // Draws the current cuts as the occluder.
   void draw_occluder(CutSet& cuts);
 

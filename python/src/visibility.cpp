@@ -46,6 +46,25 @@ std::unique_ptr<Visibility> make_visibility(const std::string& name) {
   throw Error({"visibility", name, "is no backend", "use one of visibility_names()"});
 }
 
+namespace {
+
+using Nearness = nb::ndarray<const float, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu>;
+
+void show(PythonVisibility& self, const Nearness& nearness) {
+  auto* software = dynamic_cast<SoftwareOcclusion*>(self.backend.get());
+  if (software == nullptr)
+    throw Error({"visibility", std::string(self.backend->name()), "takes no pictures", "use \"software\""});
+  DepthBuffer depth;
+  depth.width = static_cast<int>(nearness.shape(1));
+  depth.height = static_cast<int>(nearness.shape(0));
+  depth.nearness.assign(nearness.data(), nearness.data() + nearness.size());
+  const ReleasedGil release;
+  const std::scoped_lock lock(self.in_use);
+  software->show(depth);
+}
+
+}  // namespace
+
 void bind_visibility(nb::module_& m) {
   m.def("visibility_names", &visibility_names, "Of the backends that this package was built with.");
   nb::class_<PythonVisibility>(
@@ -62,6 +81,13 @@ void bind_visibility(nb::module_& m) {
            "Error for another name, and where no OpenGL context can be had.")
       .def_prop_ro("name", [](const PythonVisibility& v) { return std::string(v.backend->name()); })
       .def_prop_ro("can_hide", [](const PythonVisibility& v) { return v.backend->can_hide(); })
+      .def(
+          "show", &show, "nearness"_a,
+          "Shows \"software\" a picture of the last result, so that the next Refiner.update() need not draw an\n"
+          "occluder: 1 / distance from the eye plane of all that is opaque, 0 where nothing is, as\n"
+          "ItemBuffer.nearness has it, float32 [height, width], rows from the top. In orthographic views it runs from\n"
+          "1 on the near plane to 0 on the far one. Error for another backend, another size, and before the first\n"
+          "view.")
       .def("__repr__",
            [](const PythonVisibility& v) { return "occlod.Visibility(\"" + std::string(v.backend->name()) + "\")"; });
 }

@@ -201,6 +201,26 @@ class Backends(unittest.TestCase):
         with self.assertRaisesRegex(occlod.Error, "no backend"):
             occlod.Visibility("guess")
 
+    def test_show_pictures(self):
+        _, hierarchy = planet(5)
+        refiner, visibility = occlod.Refiner(hierarchy), occlod.Visibility()
+        with self.assertRaisesRegex(occlod.Error, "before the first view"):
+            visibility.show(numpy.zeros((VIEW.height, VIEW.width), numpy.float32))
+        hidden = []
+        for frame in range(4):
+            refined = refiner.update(orbit(frame), 2000, visibility)
+            self.assertEqual(refined.stats.occluder_draws == 0, frame == 3)
+            hidden.append(refined.stats.queries_hidden)
+            if frame == 2:
+                visibility.show(occlod.draw_items(refined.draw_objects(), orbit(frame)).nearness)
+        self.assertGreater(hidden[3], 0)
+        with self.assertRaisesRegex(occlod.Error, "3 x 2 pixels"):
+            visibility.show(numpy.zeros((2, 3), numpy.float32))
+        with self.assertRaises(TypeError):
+            visibility.show([1.0])
+        with self.assertRaisesRegex(occlod.Error, "takes no pictures"):
+            occlod.Visibility("none").show(numpy.zeros((2, 3), numpy.float32))
+
     def test_gl_where_built(self):
         _, hierarchy = planet(4)
         software = occlod.Refiner(hierarchy).refine(VIEW, 1000)

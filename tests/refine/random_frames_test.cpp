@@ -1,6 +1,6 @@
 // Frames at random: the eye moves and jumps, objects move, budgets and options change. In every frame the budget is
 // kept, a copy that takes over `changes` is the new mesh, the mesh is that of the splits, each of which has all that it
-// needs, and any number of threads finds the same.
+// needs, and any number of threads finds the same; also when the backend is shown pictures of anything.
 #include <array>
 #include <cstdlib>
 #include <glm/gtc/matrix_transform.hpp>
@@ -136,6 +136,7 @@ class RandomFrames {
   // Returns what is wrong with the next frame, or nothing.
   std::string next() {
     change();
+    show_anything();
     std::string fault;
     for (std::size_t i = 0; i < refiners_.size() && fault.empty(); ++i) {
       options_.threads = thread_counts[i];
@@ -160,6 +161,22 @@ class RandomFrames {
     return refiners_[i].update(View(camera_), options_, occlusion_ ? *software_[i] : static_cast<Visibility&>(none_));
   }
 
+  // Shows all backends the same picture: noise, or one depth with holes. It may be of any view.
+  void show_anything() {
+    if (!shows_pictures_ || chance(4) == 0) return;
+    Camera camera = camera_;
+    if (chance(3) == 0) camera.eye = {real(-5.0, 5.0), real(-5.0, 5.0), real(-5.0, 5.0)};
+    const View view(camera);
+    std::vector<ObjectView> objects;
+    for (const RefineObject& object : objects_) objects.emplace_back(view, object.object_to_world);
+    picture_.reset(camera.width, camera.height);
+    const bool is_noise = chance(2) == 0;
+    const auto depth = static_cast<float>(real(0.0, 3.0));
+    for (float& nearness : picture_.nearness)
+      nearness = chance(is_noise ? 2 : 1000) == 0 ? static_cast<float>(real(0.0, 10.0)) : depth;
+    for (const auto& software : software_) software->show(picture_, view, objects);
+  }
+
   std::string fault_of_frame(const Refinement& refined) {
     std::size_t triangles = 0;
     for (std::size_t i = 0; i < objects_.size(); ++i) {
@@ -179,6 +196,7 @@ class RandomFrames {
     if (chance(100) == 0) move_object(4.0, 3.0);
     if (chance(15) == 0) options_.budget = refiners_[0].base_triangles() + chance(6000);
     if (chance(300) == 0) occlusion_ = !occlusion_;
+    if (chance(100) == 0) shows_pictures_ = !shows_pictures_;
     if (chance(200) == 0) options_.max_changes = chance(2) * chance(300);
     if (chance(200) == 0) options_.tolerance_px = chance(2) == 0 ? 0.0 : real(0.0, 4.0);
     if (chance(200) == 0) options_.geomorph_frames = chance(5);
@@ -221,7 +239,8 @@ class RandomFrames {
   std::mt19937 random_;
   std::vector<RefineObject> objects_;
   std::vector<Refiner> refiners_;
-  std::vector<std::unique_ptr<Visibility>> software_;
+  std::vector<std::unique_ptr<SoftwareOcclusion>> software_;
+  DepthBuffer picture_;
   NoOcclusion none_;
   std::vector<std::vector<Triangle>> copies_;  // kept by what `changes` tells
   Refinement first_;                           // of one thread
@@ -229,7 +248,7 @@ class RandomFrames {
   glm::dvec3 way_{0.02, 0.0, 0.01};
   std::uint32_t rests_ = 0;
   RefineOptions options_;
-  bool occlusion_ = true;
+  bool occlusion_ = true, shows_pictures_ = false;
 };
 
 // Two walks of 300 frames each; with OCCLOD_SOAK_S more for so many seconds, and a line every 5,000 frames.

@@ -11,6 +11,7 @@
 
 #include "occlod/base.h"
 #include "occlod/mesh.h"
+#include "occlod/view.h"
 
 namespace occlod {
 
@@ -25,6 +26,13 @@ struct DepthBuffer {
   // Resizes the buffer and empties every pixel. Reuses its memory.
   void reset(int new_width, int new_height);
 };
+
+// Fills `target` with the depth that a graphics interface has written for a picture of `view`: one value a pixel from 0
+// to 1, rows from the bottom (OpenGL) or from the top (Vulkan, Direct3D, Metal, WebGPU). 1 is on the far plane, or on
+// the near one where `clip` is reversed. What steps of 24 bits leave open is rounded to farther. Throws Error when
+// there are not width() * height() values. O(pixels).
+void read_depth(DepthBuffer& target, std::span<const float> depth, const View& view, ClipDepth clip,
+                bool rows_from_bottom);
 
 // The item of background pixels.
 inline constexpr std::uint32_t no_item = no_id;

@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "occlod/bounds.h"
+#include "occlod/item_buffer.h"
 #include "occlod/mesh.h"
 #include "occlod/view.h"
 
@@ -52,6 +53,10 @@ class Visibility {
   [[nodiscard]] virtual bool can_hide() const noexcept { return true; }
   // Returns the number of queries that should be in flight at a time; 1 for backends that answer immediately.
   [[nodiscard]] virtual std::size_t flight() const noexcept { return 1; }
+
+  // True when the backend answers from a picture of an earlier view until an occluder is drawn, so that none need be.
+  // False by default.
+  [[nodiscard]] virtual bool has_picture() const noexcept { return false; }
 
   // Starts a view and forgets the occluder and every unanswered query of the previous one. objects[i] is the view of
   // object i; the span need only stay valid during the call.
@@ -100,13 +105,32 @@ class NoOcclusion final : public Visibility {
   std::size_t unanswered_ = 0;
 };
 
-// Makes the backend `software`: a CPU rasteriser and a depth pyramid, without GPU, display or driver. It works at the
+// The backend `software`: a CPU rasteriser and a depth pyramid, without GPU, display or driver. It works at the
 // resolution of the view. A bound is hidden only if the occluder is strictly nearer than the bound's nearest point at
 // every pixel that the bound may touch: the pixels of an octagon around its outline, or of a rectangle for boxes.
 // Answers are the same on every machine. Many queries in one answer(), or submitted before the first is collected, cost
 // a third of the same queries asked one by one. A bound beside the image touches no pixel and is answered 0; one whose
-// screen rectangle cannot be bounded is visible. Until an occluder is drawn in a view,
-// everything in the image is visible. Does not allocate once its buffers have grown.
-[[nodiscard]] std::unique_ptr<Visibility> make_software_occlusion();
+// screen rectangle cannot be bounded is visible. Until an occluder is drawn in a view, everything in the image is
+// visible. Does not allocate once its buffers have grown.
+//
+// Where the caller shows it a picture between two views, it answers in the second with the depth of that picture
+// instead, and Refiner::update() draws no occluder. The picture may hold more than the mesh, e.g. what other parts of a
+// program draw, but nothing translucent. A bound is hidden if the picture hides it, seen from where it was taken; what
+// the view may show beyond the sides of the picture is visible. So what comes into sight is known when the next picture
+// shows it. An occluder that is drawn all the same, because the view has jumped or large parts may have come into
+// sight, replaces the picture.
+class SoftwareOcclusion : public Visibility {
+ public:
+  // Shows a picture of the view and objects of the last begin_view(), i.e. of the last update(). `depth` has the size
+  // of the view. Throws Error otherwise, and before the first view. O(pixels).
+  virtual void show(const DepthBuffer& depth) = 0;
+  // Shows a picture of an earlier view, for programs that read it back late: of `view`, in which objects[i] was the
+  // view of object i. `depth` may be smaller than what was drawn, if it keeps the farthest depth of several pixels and
+  // `view` has its size. Throws Error when the sizes differ. O(pixels).
+  virtual void show(const DepthBuffer& depth, const View& view, std::span<const ObjectView> objects) = 0;
+};
+
+// Makes the backend `software`.
+[[nodiscard]] std::unique_ptr<SoftwareOcclusion> make_software_occlusion();
 
 }  // namespace occlod
