@@ -96,11 +96,15 @@ class Sight {
   [[nodiscard]] Visibility& backend() {
     return subject_.occlusion == Occlusion::none ? static_cast<Visibility&>(none_) : *software_;
   }
-  // Shows the backend the frame, if the subject wants that.
-  void show(const Refinement& frame, const View& view) {
+  // Shows the backend the frame, if the subject wants that. The time counts, but not that of drawing.
+  void show(const Refinement& frame, const View& view, FrameLog& log) {
     if (subject_.occlusion != Occlusion::picture) return;
     tool::redraw(items_, tool::draw_objects(*subject_.objects, frame), view);
+    const FrameTimer timer;
     software_->show(items_.depth);
+    const FrameTime time = timer.elapsed();
+    log.ms.back() += time.ms;
+    log.cpu_ms.back() += time.cpu_ms;
   }
 
  private:
@@ -132,7 +136,7 @@ class PathComparison {
     for (int i = 0; i < count(); ++i) {
       scratch.step(view(i), subject_.options, scratch_sight.backend(), false);
       frames.step(view(i), subject_.options, frame_sight.backend(), true);
-      frame_sight.show(*frames.last, view(i));
+      frame_sight.show(*frames.last, view(i), frames.log);
       result_.changed_triangles.push_back(static_cast<double>(frames.last->stats.changed_triangles));
       if (options_.quality) compare_quality(*scratch.last, *frames.last, view(i));
     }
@@ -153,7 +157,7 @@ class PathComparison {
     Sight sight(subject_);
     for (int i = 0; i < count(); ++i) {
       frames.step(view(i), subject_.options, sight.backend(), true);
-      sight.show(*frames.last, view(i));
+      sight.show(*frames.last, view(i), frames.log);
     }
     result_.rounds.push_back(frames.log);
   }

@@ -27,7 +27,7 @@ HWY_INLINE Vec smallest_of_pairs(Vec low, Vec high) {
 #endif
 }
 
-void reduce_level(const DepthLevelView& below, const DepthLevelView& level, const PixelRect& changed) {
+void reduce_level(const DepthTexels<const float>& below, const DepthLevelView& level, const PixelRect& changed) {
   const Floats d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   for (int y = changed.y0; y < changed.y1; ++y) {
@@ -132,7 +132,11 @@ HWY_EXPORT(count_row);
 HWY_EXPORT(quick_verdicts);
 
 void reduce_depth(const DepthLevelView& below, const DepthLevelView& level, const PixelRect& changed) {
-  HWY_DYNAMIC_DISPATCH(reduce_level)(below, level, changed);
+  HWY_DYNAMIC_DISPATCH(reduce_level)({below.texels, below.width, below.height, below.stride}, level, changed);
+}
+
+void halve_depth(const DepthTexels<const float>& below, const DepthLevelView& level, int columns) {
+  HWY_DYNAMIC_DISPATCH(reduce_level)(below, level, {0, 0, columns, level.height});
 }
 
 std::uint32_t count_not_nearer(const float* texels, int count, float limit) {

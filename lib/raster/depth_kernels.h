@@ -62,15 +62,21 @@ void find_pixels(const BoundsView& view, std::span<const glm::vec3> points, Poin
 // Rows of every level are padded to a multiple of this many texels, so that vector loops need no remainder.
 inline constexpr int depth_row_texels = 32;
 
-struct DepthLevelView {
-  float* texels;  // row y at texels + y * stride
+template <class Texel>
+struct DepthTexels {
+  Texel* texels;  // row y at texels + y * stride
   int width, height;
   std::ptrdiff_t stride;
 };
+using DepthLevelView = DepthTexels<float>;
 
 // Sets each texel of `level` in `changed` to the minimum of 2x2 texels of `below`. Texels beyond the last column or row
 // are infinite and stay so.
 void reduce_depth(const DepthLevelView& below, const DepthLevelView& level, const PixelRect& changed);
+
+// Sets the first `columns` texels of each row of `level`, a multiple of depth_row_texels, to the minimum of 2x2 texels
+// of `below`, which has twice the size and need not be padded.
+void halve_depth(const DepthTexels<const float>& below, const DepthLevelView& level, int columns);
 
 // Returns how many of `count` texels are <= limit.
 [[nodiscard]] std::uint32_t count_not_nearer(const float* texels, int count, float limit);

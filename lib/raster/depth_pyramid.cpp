@@ -59,11 +59,28 @@ void DepthPyramid::finish(const PixelRect& drawn) {
 }
 
 void DepthPyramid::build(const DepthBuffer& depth) {
-  const DepthImage image = begin(depth.width, depth.height);
+  const DepthImage image = begin(depth.width, depth.height, false);
   for (int y = 0; y < depth.height; ++y)
     std::copy_n(depth.nearness.begin() + static_cast<std::ptrdiff_t>(y) * depth.width, depth.width,
                 image.nearness + y * image.stride);
   finish({0, 0, depth.width, depth.height});
+}
+
+void DepthPyramid::build_halved(const DepthBuffer& depth) {
+  assert(depth.width % 2 == 0 && depth.height % 2 == 0);
+  const DepthImage image = begin(depth.width / 2, depth.height / 2, false);
+  // Vectors would read beyond the last columns.
+  const int in_vectors = image.width / depth_row_texels * depth_row_texels;
+  halve_depth({depth.nearness.data(), depth.width, depth.height, depth.width},
+              {image.nearness, image.width, image.height, image.stride}, in_vectors);
+  for (int y = 0; y < image.height; ++y) {
+    const float* upper = depth.nearness.data() + static_cast<std::ptrdiff_t>(2 * y) * depth.width;
+    const float* lower = upper + depth.width;
+    for (int x = in_vectors; x < image.width; ++x)
+      image.nearness[y * image.stride + x] =
+          std::min(std::min(upper[2 * x], upper[2 * x + 1]), std::min(lower[2 * x], lower[2 * x + 1]));
+  }
+  finish({0, 0, image.width, image.height});
 }
 
 void DepthPyramid::lay_out(int width, int height) {

@@ -43,6 +43,8 @@ class DepthPyramid {
   void finish(const PixelRect& drawn);
   // Calls begin() and finish() with a copy of `depth` as level 0.
   void build(const DepthBuffer& depth);
+  // Does the same with the farthest depth of each 2x2 pixels, of images with even sides; in half of the time.
+  void build_halved(const DepthBuffer& depth);
 
   [[nodiscard]] int level_count() const noexcept { return static_cast<int>(levels_.size()); }
   [[nodiscard]] int width() const noexcept { return levels_.empty() ? 0 : levels_[0].width; }

@@ -152,9 +152,16 @@ class DepthOcclusion final : public SoftwareOcclusion {
     if (depth.width != view.width() || depth.height != view.height())
       throw Error({"picture", "", "has " + size_of(depth.width, depth.height),
                    "its view has " + size_of(view.width(), view.height())});
-    look_from(view, objects);
     epochs_ = {};
-    pyramid_.build(depth);
+    Camera camera = view.camera();
+    if (depth.width % 2 == 0 && depth.height % 2 == 0) {
+      camera.width /= 2;
+      camera.height /= 2;
+      pyramid_.build_halved(depth);
+    } else {
+      pyramid_.build(depth);
+    }
+    look_from(View(camera), objects);
     levels_ = pyramid_.levels();
     picture_shown_ = occluder_drawn_ = true;
   }

@@ -542,16 +542,10 @@ constexpr double lost_part = 0.25;
 // In a view that does not move, exchanges after this many frames only go back and forth.
 constexpr std::uint32_t max_restless_frames = 4 * weighing_rounds;
 
-// Which hidden nodes are checked against the mesh of a frame: those with errors of this many times the level and of
-// this many pixels. After max_useless checks that showed nothing, one frame in `rare` is checked.
-struct Checks {
-  float levels, pixels;
-  std::uint32_t max_useless, rare;
-};
-// An occluder of the mesh of the frame before tells of this view already.
-constexpr Checks checks_after_occluder = {4.0F, 0.0F, 8, 4};
-// A picture does not, so that this finds what has come into sight. Of closed surfaces that is little by little.
-constexpr Checks checks_after_picture = {16.0F, 8.0F, 8, 16};
+// What the mesh of a frame turns out to show matters much when its error is this many times the level.
+constexpr float much_error = 4.0F;
+// After this many consecutive checks that showed nothing, one frame in rare_checks is checked.
+constexpr std::uint32_t max_useless_checks = 8, rare_checks = 4;
 
 std::vector<DrawnMesh> meshes_of(std::span<const RefineObject> objects, std::span<RefinedObject> result) {
   std::vector<DrawnMesh> meshes;
@@ -607,9 +601,8 @@ void Frames::advance(bool moved, Clock::time_point start, RefineStats& stats) {
   measure(stats);
 }
 
-// Exchanges splits, where hidden ones give way. Where the mesh of the frame before bulged, this mesh hides less, and
-// since a picture was taken, things have come into sight: what turns out to be visible is applied after all, if it
-// matters much; the rest waits for the next frame.
+// Exchanges splits, where hidden ones give way. Where the mesh of the frame before bulged, this mesh hides less: what
+// turns out to be visible is applied after all, if it matters much; the rest waits for the next frame.
 void Frames::exchange_splits(bool moved, RefineStats& stats) {
   const RefinedScene& scene = evaluation_.scene();
   const bool can_hide = scene.queries->can_hide();
@@ -618,13 +611,11 @@ void Frames::exchange_splits(bool moved, RefineStats& stats) {
   else
     queries_.forget_hidden();
   exchange_.run();
-  if (!can_hide || !moved || !tuning_of(*scene.options).final_check) return;
-  const bool from_picture = scene.queries->from_picture();
-  if (!from_picture && exchange_.changes() == 0) return;
-  const Checks& checks = from_picture ? checks_after_picture : checks_after_occluder;
-  if (checks_since_useful_ > checks.max_useless && frame_ % checks.rare != 0) return;
-  const std::span<const Entry> shown =
-      queries_.check_hidden(std::max(checks.levels * exchange_.level(), checks.pixels));
+  // A picture tells no more of this mesh than before the exchange.
+  const bool is_final = scene.queries->from_picture() || exchange_.changes() == 0;
+  if (!can_hide || !moved || !tuning_of(*scene.options).final_check || is_final) return;
+  if (checks_since_useful_ > max_useless_checks && frame_ % rare_checks != 0) return;
+  const std::span<const Entry> shown = queries_.check_hidden(much_error * exchange_.level());
   checks_since_useful_ = shown.empty() ? checks_since_useful_ + 1 : 1;
   stats.readmitted += shown.size();
   exchange_.run_on(shown);

@@ -83,7 +83,7 @@ class FrontQueries {
   void ask_about_unapplied(std::uint32_t object, float least);
   void ask_about_leaves(std::uint32_t object);
   [[nodiscard]] bool is_shown_since(std::uint32_t draw, const FrontNode& node, Entry::Kind kind) const;
-  void begin_questions(bool draws);
+  void begin_questions();
   // Asks all of asked_, and keeps those there that are shown now and were hidden before.
   void ask_all();
   void set_covered(Front& front, Front::Index k, bool covered) const;

@@ -127,7 +127,7 @@ void FrontQueries::begin_frame(std::uint32_t frame, bool moved) {
 }
 
 std::size_t FrontQueries::ask_again(float level) {
-  begin_questions(!evaluation_.scene().queries->from_picture());
+  begin_questions();
   const float least = min_error(level);
   for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) {
     forget_what_is_not_asked(i);
@@ -140,15 +140,16 @@ std::size_t FrontQueries::ask_again(float level) {
 }
 
 std::span<const Entry> FrontQueries::check_hidden(float least) {
-  begin_questions(true);
+  begin_questions();
   for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) ask_about_hidden(i, least);
   ask_all();
   return asked_;
 }
 
-// Begins questions to a new occluder, drawn or in a picture.
-void FrontQueries::begin_questions(bool draws) {
-  if (draws) evaluation_.scene().queries->draw_occluder(*evaluation_.scene().cuts);
+// Begins questions to the picture of the frame before or, where there is none, to an occluder that is drawn now.
+void FrontQueries::begin_questions() {
+  OcclusionQueries& queries = *evaluation_.scene().queries;
+  if (!queries.from_picture()) queries.draw_occluder(*evaluation_.scene().cuts);
   ++draw_;
   asked_.clear();
 }

@@ -114,11 +114,11 @@ class NoOcclusion final : public Visibility {
 // visible. Does not allocate once its buffers have grown.
 //
 // Where the caller shows it a picture between two views, it answers in the second with the depth of that picture
-// instead, and Refiner::update() draws no occluder. The picture may hold more than the mesh, e.g. what other parts of a
-// program draw, but nothing translucent. A bound is hidden if the picture hides it, seen from where it was taken; what
-// the view may show beyond the sides of the picture is visible. So what comes into sight is known when the next picture
-// shows it. An occluder that is drawn all the same, because the view has jumped or large parts may have come into
-// sight, replaces the picture.
+// instead, at half its size if that is even, and Refiner::update() draws no occluder. The picture may hold more than
+// the mesh, e.g. what other parts of a program draw, but nothing translucent. A bound is hidden if the picture hides
+// it, seen from where it was taken; what the view may show beyond the sides of the picture is visible. So what comes
+// into sight is known when the next picture shows it. An occluder that is drawn all the same, because the view has
+// jumped or large parts may have come into sight, replaces the picture.
 class SoftwareOcclusion : public Visibility {
  public:
   // Shows a picture of the view and objects of the last begin_view(), i.e. of the last update(). `depth` has the size
