@@ -372,11 +372,12 @@ void SplitExchange::gather_leaves(float low, float high) {
   }
 }
 
-// Queues all other leaves. Returns false when no leaf is queued then.
+// Queues all leaves that are left, also those whose priorities have sunk since the others were queued. Returns false
+// when there are none.
 bool SplitExchange::gather_more_leaves() {
   if (leaves_below_ == infinity) return false;
-  const float from = std::exchange(leaves_below_, infinity);
-  gather_leaves(from, leaves_below_);
+  leaves_below_ = infinity;
+  gather_leaves(0.0F, leaves_below_);
   return !leaves_.empty();
 }
 
