@@ -12,8 +12,10 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "accuracy.h"
 #include "base/timing.h"
 #include "drawing.h"
 #include "frames_vdpm.h"
@@ -64,6 +66,7 @@ struct Comparison {
   // Empty where quality is not compared.
   std::vector<double> error_ratios;                  // from frame to frame / from scratch
   std::vector<double> scratch_shares, frame_shares;  // of triangles that own a pixel
+  std::vector<double> scratch_rms_px, frame_rms_px;  // of depths, against the full mesh
 };
 
 // Errors below a tenth of a pixel are all alike; both may be unlimited, where the eye is inside bounds.
@@ -80,9 +83,7 @@ std::string unevenness(const std::vector<double>& values) {
 }
 
 // Of the triangles those that own a pixel.
-double visible_share(const Subject& subject, const Refinement& refinement, const View& view) {
-  ItemBuffer items;
-  tool::redraw(items, tool::draw_objects(*subject.objects, refinement), view);
+double visible_share(const ItemBuffer& items, const Refinement& refinement) {
   const std::size_t triangles = refinement.stats.triangles;
   return static_cast<double>(count_visible_items(items, triangles)) /
          static_cast<double>(std::max<std::size_t>(triangles, 1));
@@ -148,8 +149,15 @@ class PathComparison {
   void compare_quality(const Refinement& scratch, const Refinement& frame, const View& view) {
     result_.error_ratios.push_back(ratio_of(oracle::cut_error(objects_, frame, view, judge_.backend()).quadric_px,
                                             oracle::cut_error(objects_, scratch, view, judge_.backend()).quadric_px));
-    result_.scratch_shares.push_back(visible_share(subject_, scratch, view));
-    result_.frame_shares.push_back(visible_share(subject_, frame, view));
+    const tool::FullMeshPicture full(*subject_.objects, view);
+    for (const auto& [refinement, shares, depth_rms_px] :
+         {std::tuple(&scratch, &result_.scratch_shares, &result_.scratch_rms_px),
+          std::tuple(&frame, &result_.frame_shares, &result_.frame_rms_px)}) {
+      const std::vector<DrawObject> drawn = tool::draw_objects(*subject_.objects, *refinement);
+      tool::redraw(items_, drawn, view);
+      shares->push_back(visible_share(items_, *refinement));
+      depth_rms_px->push_back(full.distance_to(items_, drawn).depth_rms_px);
+    }
   }
 
   void time_frames() {
@@ -166,6 +174,7 @@ class PathComparison {
   const Subject& subject_;
   std::vector<RefineObject> objects_;
   Sight judge_;
+  ItemBuffer items_;
   Comparison result_;
 };
 
@@ -175,6 +184,11 @@ std::vector<double> least_of(const std::vector<FrameLog>& rounds, std::vector<do
   for (const FrameLog& round : rounds)
     for (std::size_t i = 0; i < least.size(); ++i) least[i] = std::min(least[i], (round.*times)[i]);
   return least;
+}
+
+double mean_square_root(const std::vector<double>& values) {
+  return std::sqrt(std::inner_product(values.begin(), values.end(), values.begin(), 0.0) /
+                   static_cast<double>(values.size()));
 }
 
 double mean_percent(const std::vector<double>& shares) {
@@ -200,10 +214,12 @@ void print_row(const Subject& subject, const Comparison& result) {
       longest_run_above(least_of(result.rounds, &FrameLog::cpu_ms), 2.0),
       median(result.scratch_ms) / std::max(later_percentile(ms, 0.5), 1e-3), later_percentile(log.changes, 0.5),
       unevenness(log.changes), later_percentile(result.changed_triangles, 0.5),
-      result.error_ratios.empty() ? "| | | "
-                                  : fmt::format("{:.3f} | {:.3f} | {:.1f} | {:.1f}", median(result.error_ratios),
-                                                later_percentile(result.error_ratios, 0.95),
-                                                mean_percent(result.scratch_shares), mean_percent(result.frame_shares)),
+      result.error_ratios.empty()
+          ? "| | | | | "
+          : fmt::format("{:.3f} | {:.3f} | {:.1f} | {:.1f} | {:.3f} | {:.3f}", median(result.error_ratios),
+                        later_percentile(result.error_ratios, 0.95), mean_percent(result.scratch_shares),
+                        mean_percent(result.frame_shares), mean_square_root(result.scratch_rms_px),
+                        mean_square_root(result.frame_rms_px)),
       log.hash);
   std::fflush(stdout);
 }
@@ -221,6 +237,8 @@ tool::Json json_row(const Subject& subject, const Comparison& result) {
           {"error_ratios", result.error_ratios},
           {"scratch_shares", result.scratch_shares},
           {"frame_shares", result.frame_shares},
+          {"scratch_depth_rms_px", result.scratch_rms_px},
+          {"frame_depth_rms_px", result.frame_rms_px},
           {"hash", fmt::format("{:016x}", result.rounds.front().hash)}};
 }
 
@@ -250,8 +268,9 @@ void compare_scenes(const Options& options) {
       "| scene | path | budget | culling | occlusion | scratch ms | frame ms | p95 | largest | above | times faster | "
       "changes | largest "
       "| "
-      "changed triangles | error ratio | p95 | scratch share % | frame share % | hash |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "changed triangles | error ratio | p95 | scratch share % | frame share % | "
+      "scratch depth RMS px | frame depth RMS px | hash |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& scene : options.scenes) {
     tool::RenderInputOptions input;
     input.file = std::filesystem::path(OCCLOD_SCENES) / (scene + ".json");
