@@ -9,7 +9,6 @@ import argparse
 import csv
 import dataclasses
 import datetime
-import functools
 import hashlib
 import json
 import os
@@ -27,8 +26,8 @@ PAPER_SCENES = ("armadillo", "armadillo_group", "planet_full", "planet_near")
 INNER_SCENES = ("sponza", "sibenik", "city", "ww2_city")
 STAR_SOFTWARE = ("--occlusion", "software")
 STAR = ("--occlusion", "none")
+FRAMES = (*STAR_SOFTWARE, "--frame-to-frame")
 PAPERS_OWN = ("--paper",)
-PAPERS_OWN_EARLIER = ("--culling", "subtree", "--proxy", "cylinder", "--occluder-splits", "300,2500", "--no-final-check")  # before --paper
 MILLION = (*PAPERS_OWN, "--occlusion", "none", "--budget", "1000000")
 
 
@@ -74,13 +73,7 @@ class Version:
     def run(self, *command):
         return run(command, XDG_CACHE_HOME=str(self.cache))
 
-    @functools.cached_property
-    def knows_paper(self):
-        return "--paper" in self.run(self.occlod, "render", "--help")
-
     def render(self, scene, *options):
-        if "--paper" in options and not self.knows_paper:
-            options = (*(option for option in options if option != "--paper"), *PAPERS_OWN_EARLIER)
         threads = () if "--threads" in options else ("--threads", "1")
         return json.loads(self.run(self.occlod, "render", scene, "--json", *options, *threads))
 
@@ -126,13 +119,6 @@ def changed_scene(folder, name, scene, change):
     return path
 
 
-def slower(times):
-    """The same keys, so many times as many frames."""
-    def change(description):
-        description["paths"]["orbit"]["frames"] *= times
-    return change
-
-
 def planet(level, frames):
     """As many frames of the orbit as there is time for with a million triangles."""
     def change(description):
@@ -144,13 +130,13 @@ def planet(level, frames):
 def path_subjects(effort, folder):
     armadillo = SCENES / "armadillo.json"
     planet_8 = changed_scene(folder, "planet_8", "planet_full", planet(8, 13))
-    orbit_1 = changed_scene(folder, "armadillo_1_degree", "armadillo", slower(3))
+    planet_9 = changed_scene(folder, "planet_9", "planet_full", planet(9, 40))
     subjects = [
-        PathSubject("star_software", armadillo, STAR_SOFTWARE, True, effort.rounds),
+        PathSubject("star_software", armadillo, STAR_SOFTWARE, False, effort.rounds),
         PathSubject("subtree_software", armadillo, (*PAPERS_OWN, "--occlusion", "software"), False, effort.rounds),
         PathSubject("star", armadillo, STAR, False, effort.rounds),
-        PathSubject("frames_3_degrees", armadillo, (*STAR_SOFTWARE, "--frame-to-frame"), False, effort.rounds),
-        PathSubject("frames_1_degree", orbit_1, (*STAR_SOFTWARE, "--frame-to-frame"), False, effort.rounds),
+        PathSubject("frames", armadillo, FRAMES, True, effort.rounds),
+        PathSubject("frames_100000", planet_9, (*FRAMES, "--budget", "100000"), True, effort.million_rounds),
         PathSubject("million_planet_full", planet_8, MILLION, True, effort.million_rounds)]
     if effort.large_planet:
         planet_10 = changed_scene(folder, "planet_10", "planet_full", planet(10, 13))
@@ -159,13 +145,16 @@ def path_subjects(effort, folder):
 
 
 def measure_frame(scene, versions, rounds):
-    """For each version without and with occlusion: ms of refinement, occlusion and drawing in the default view for each round."""
-    ways = [(version, occlusion) for version in versions for occlusion in ("none", "software")]
-    result = {version.name: {"none": [], "software": []} for version in versions}
+    """For each version without and with occlusion, and for the last also with pictures: ms of refinement, occlusion and drawing from frame to frame,
+    of each round and frame."""
+    path = "low_flight" if scene == "planet_near" else "orbit"
+    ways = [(version, occlusion) for version in versions for occlusion in ("none", "software")] + [(versions[-1], "picture")]
+    result = {version.name: {} for version in versions}
     for at in range(rounds):
         for version, occlusion in ways[at % len(ways):] + ways[:at % len(ways)]:
-            report = version.render(SCENES / f"{scene}.json", "--occlusion", occlusion, "--repeat", 5)
-            result[version.name][occlusion].append(report["refine_ms"] + report["occlusion_ms"] + report["draw_ms"])
+            frames = version.render(SCENES / f"{scene}.json", "--path", path, "--frame-to-frame", "--occlusion", occlusion)["frames"]
+            result[version.name].setdefault(occlusion, []).append(
+                [frame["refine_ms"] + frame["occlusion_ms"] + frame.get("show_ms", 0.0) + frame["draw_ms"] for frame in frames])
     return result
 
 

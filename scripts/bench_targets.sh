@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What refinement and building are asked to reach, measured in one run: builds this version and commit 2f5dd64 of its
+# What refinement and building are asked to reach, measured in one run: builds this version and commit 582fcf1 of its
 # history, runs both in turns, and prints one table of targets, figures and verdicts (docs/benchmarks/refinement.md).
 # The table goes to out/bench/targets.md and targets.csv as well, all raw numbers to targets.json beside them.
 # bench_targets.sh [--quick]
@@ -9,7 +9,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-commit=2f5dd64
+commit=582fcf1
 source=build/reference/$commit
 out=out/bench
 options=(--build build/bench --out "$out/targets.json")

@@ -6,11 +6,12 @@ Only the targets stand here; every figure comes from FILE. Everything runs on tw
 order; other programs can only add to a time, so the least of all rounds counts. What the rows mean:
 
 from scratch, frame to frame   `occlod render --path orbit --json` along the armadillo's orbit, 10,000 triangles: the median of all frames but the
-                               first, over that of the earlier version. The orbit has 120 frames of 3 degrees; with three times as many, of 1 degree
+                               first, over that of the earlier version. 100,000: 40 frames of the orbit of `planet_full` with a mesh of level 9
 1 M triangles                  the same with `subtree` and no occlusion, 12 frames of the orbit of `planet_full` with a mesh of level 10.
                                `planet_full` itself has 524,288 triangles, of which a budget of a million shows all that face the eye
-two threads                    this version with `--threads 2`, against the earlier one on one thread
-whole frame                    refinement, occlusion and drawing in the default view, `star`, 10,000 triangles: with software occlusion over without
+two threads                    this version with `--threads 2` over the same on one thread
+whole frame                    refinement, occlusion, showing the picture and drawing from frame to frame, `star`, 10,000 triangles: with an occluder
+                               over without, and with pictures over without
 building                       `bench_build_peers`: the whole hierarchy against meshoptimizer simplifying to 1 %, in the mesh where that is worst
 same bits                      the pinned hashes on every instruction set of this machine; each path on one thread and on two; a built file
 depth RMS, visible share       `occlod render --reference` in the default view of the paper's scenes: `star` with and without occlusion and the
@@ -45,21 +46,20 @@ COMBINATIONS = 114  # paths of all scenes, cullings, without occlusion, with an 
 EFFECT_SCENES = 11
 PICTURE_SCENES = 8
 
-# What is timed along paths: key, what, way, largest ratio to the time before.
+# What is timed along paths: key, what, largest ratio to the time before.
 SPEED = (
-    ("star_software", "star + software from scratch, one thread", "present", 0.49),
-    ("star_software", "star + software from scratch, two threads", "present, 2 threads", 0.37),
-    ("subtree_software", "subtree + software from scratch", "present", 0.5),
-    ("star", "star from scratch", "present", 0.66),
-    ("frames_3_degrees", "star + software frame to frame, 3 degrees a frame", "present", 0.6),
-    ("frames_1_degree", "star + software frame to frame, 1 degree a frame", "present", 0.45),
-    ("million_level_10", "1 M triangles from scratch, planet of level 10, one thread", "present", 0.6),
-    ("million_level_10", "1 M triangles from scratch, planet of level 10, two threads", "present, 2 threads", 0.38),
-    ("million_planet_full", "budget of 1 M from scratch, planet_full, one thread", "present", 0.6),
-    ("million_planet_full", "budget of 1 M from scratch, planet_full, two threads", "present, 2 threads", 0.38))
+    ("star_software", "star + software from scratch", 1.0),
+    ("subtree_software", "subtree + software from scratch", 1.0),
+    ("star", "star from scratch", 1.0),
+    ("frames", "star + software frame to frame, 10,000 triangles", 0.75),
+    ("frames_100000", "star + software frame to frame, 100,000 triangles", 0.75),
+    ("million_level_10", "1 M triangles from scratch, planet of level 10", 1.0),
+    ("million_planet_full", "budget of 1 M from scratch, planet_full", 1.0))
+# How many times as fast two threads should be as one.
+THREADS = (("frames", "10,000 triangles frame to frame", 1.5), ("frames_100000", "100,000 triangles frame to frame", 1.8))
 # Of these the triangles may differ from those before: refinement visits bands of nodes (docs/internals/decisions.md), and frames start from there. Where the
 # budget holds the whole mesh, and in built files, nothing may.
-CHANGED_ON_PURPOSE = {"star_software", "subtree_software", "star", "frames_3_degrees", "frames_1_degree", "million_level_10", "pictures"}
+CHANGED_ON_PURPOSE = {"star_software", "subtree_software", "star", "frames", "frames_100000", "million_level_10", "pictures"}
 
 
 @dataclasses.dataclass
@@ -137,30 +137,34 @@ def on_two_threads(one, two):
     return "as one thread" if one == two else "**not as one thread**"
 
 
-def speed(data, key, way, most):
+def speed(data, key, most):
     ways = part(data, "paths", key)
-    if way.endswith("threads") and way not in ways:
-        raise Missing("there is one core")
-    now = typical(part(ways, way, "rounds"))
-    figure = Figure(f"{now:.3g} ms, {ways[way]['triangles']:,} triangles", None)
-    if way != "present":
-        figure.answers = on_two_threads(ways["present"]["hash"], ways[way]["hash"])
+    now = typical(part(ways, "present", "rounds"))
+    figure = Figure(f"{now:.3g} ms, {ways['present']['triangles']:,} triangles", None)
     if "reference" not in ways:
         figure.note = "the earlier version is not there"
         return figure
     before = typical(ways["reference"]["rounds"])
     figure.before, figure.ratio, figure.met = f"{before:.3g} ms", f"{now / before:.3f}", now <= most * before
-    if way == "present":
-        figure.answers = compared(ways["reference"]["hash"], ways[way]["hash"], key in CHANGED_ON_PURPOSE)
+    figure.answers = compared(ways["reference"]["hash"], ways["present"]["hash"], key in CHANGED_ON_PURPOSE)
     return figure
 
 
-def whole_frame(data, scene, most):
+def two_threads(data, key, least):
+    ways = part(data, "paths", key)
+    if "present, 2 threads" not in ways:
+        raise Missing("there is one core")
+    one, two = (typical(ways[way]["rounds"]) for way in ("present", "present, 2 threads"))
+    return Figure(f"{two:.3g} ms", one >= least * two, f"{one / two:.3f}", f"{one:.3g} ms",
+                  on_two_threads(ways["present"]["hash"], ways["present, 2 threads"]["hash"]))
+
+
+def whole_frame(data, scene, way, most):
     versions = part(data, "whole_frame", scene)
-    times = {name: (min(ways["software"]), min(ways["none"])) for name, ways in versions.items()}
-    ratios = {name: software / none for name, (software, none) in times.items()}
-    software, none = times["present"]
-    return Figure(f"{software:.3g} / {none:.3g} ms", ratios["present"] <= most, f"{ratios['present']:.3f}",
+    times = {name: (typical(ways[way]), typical(ways["none"])) for name, ways in versions.items() if way in ways}
+    ratios = {name: occluded / none for name, (occluded, none) in times.items()}
+    occluded, none = times["present"]
+    return Figure(f"{occluded:.3g} / {none:.3g} ms", ratios["present"] <= most, f"{ratios['present']:.3f}",
                   f"{ratios['reference']:.3f}" if "reference" in ratios else "-")
 
 
@@ -312,8 +316,11 @@ def targets():
     """Targets of the data that their functions are given."""
     def target(what, asked, function, *arguments):
         return Target(what, asked, lambda data: function(data, *arguments))
-    yield from (target(what, f"<= {most} x", speed, key, way, most) for key, what, way, most in SPEED)
-    yield from (target(f"whole frame with occlusion over without, {scene}", "<= 1.3", whole_frame, scene, 1.3) for scene in PAPER_SCENES)
+    yield from (target(what, f"<= {most} x", speed, key, most) for key, what, most in SPEED)
+    yield from (target(f"two threads over one, {what}", f">= {least} x", two_threads, key, least) for key, what, least in THREADS)
+    for scene in PAPER_SCENES:
+        yield target(f"whole frame with an occluder over without, {scene}", "<= 1.3", whole_frame, scene, "software", 1.3)
+        yield target(f"whole frame with pictures over without, {scene}", "<= 1.15", whole_frame, scene, "picture", 1.15)
     yield from (target(f"frame with a picture over one with an occluder, {scene}", "<= 0.8", shown_pictures, scene, 0.8) for scene in FRAME_SCENES)
     yield target("building over meshoptimizer, one thread", ">= 0.65 x", building, "occlod", "meshoptimizer", 0.65)
     yield target("building over meshoptimizer, two threads", ">= 0.65 x", building, "2 threads", "meshoptimizer", 0.65)
@@ -323,11 +330,11 @@ def targets():
     for scene in PAPER_SCENES:
         yield target(f"depth RMS, {scene}", "<= 1.005 x", depth_error, scene, 1.005)
         yield target(f"visible share, {scene}", ">= -0.3 points", visible_share, scene, 0.3)
-    yield target("visible share, frame to frame against from scratch, armadillo's orbit", ">= -3 points", share_on_orbit, 3.0)
-    yield target("visible share, frame to frame against from scratch, all combinations", ">= -3 points", worst_combination, share_loss, 3.0,
+    yield target("visible share, frame to frame against from scratch, armadillo's orbit", ">= -2 points", share_on_orbit, 2.0)
+    yield target("visible share, frame to frame against from scratch, all combinations", ">= -2 points", worst_combination, share_loss, 2.0,
                  lambda loss: f"{-loss:+.1f} points")
-    yield target("largest visible error, frame to frame over from scratch, 95th percentile, all combinations", "<= 1.05",
-                 worst_combination, lambda row: percentile_95(row["error_ratios"]), 1.05, lambda ratio: f"{ratio:.3f}")
+    yield target("largest visible error, frame to frame over from scratch, 95th percentile, all combinations", "<= 1.1",
+                 worst_combination, lambda row: percentile_95(row["error_ratios"]), 1.1, lambda ratio: f"{ratio:.3f}")
     yield target("frames in a row above twice the median time, all combinations", "<= 1", worst_combination,
                  lambda row: longest_run_above(least(row["frame_cpu_ms"]), 2.0), 1, str)
     yield target("auto over the best fixed setting, settled, all scenes", "<= 1.05", auto, "auto_to_best", 1.05)

@@ -5,6 +5,7 @@
 #include "drawing.h"
 #include "occlod/base.h"
 #include "refine/forecast.h"
+#include "stopwatch.h"
 
 namespace occlod::tool {
 namespace {
@@ -42,6 +43,13 @@ RefineWay::RefineWay(const std::vector<LoadedObject>& objects, const BackendOpti
 std::string RefineWay::name() const {
   if (auto_) return "auto";
   return pictured_ != nullptr ? "picture" : std::string(visibility_->name());
+}
+
+std::optional<double> RefineWay::show(const DepthBuffer& depth) {
+  if (pictured_ == nullptr) return std::nullopt;
+  const Stopwatch stopwatch;
+  pictured_->show(depth);
+  return stopwatch.milliseconds();
 }
 
 void RefineWay::repeat(Measurement& measurement, const View& view, const RefineOptions& options) {

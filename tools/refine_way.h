@@ -30,10 +30,8 @@ class RefineWay {
 
   [[nodiscard]] std::string name() const;  // of the backend, or "auto"
   [[nodiscard]] const Json& gl() const { return gl_; }
-  // Shows the backend what was drawn, if it is asked for pictures.
-  void show(const DepthBuffer& depth) {
-    if (pictured_ != nullptr) pictured_->show(depth);
-  }
+  // Shows the backend what was drawn, if it is asked for pictures. Returns the milliseconds that takes.
+  std::optional<double> show(const DepthBuffer& depth);
   // Repeats once more.
   void repeat(Measurement& measurement, const View& view, const RefineOptions& options);
 

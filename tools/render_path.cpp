@@ -55,9 +55,9 @@ void render_path(const RenderInput& input, const RefineOptions& options, RefineW
     const View view(camera_at(*input.path, i));
     measurement.begin();
     for (int round = 0; round < output.repeat; ++round) way.repeat(measurement, view, options);
-    way.show(measurement.items().depth);
     Json frame = {{"frame", i}};
     frame.update(stats_of(measurement));
+    if (const std::optional<double> ms = way.show(measurement.items().depth)) frame["show_ms"] = *ms;
     if (output.following == Following::frame_to_frame) frame.update(changes_of(measurement.refinement().stats));
     frame["camera"] = to_json(view.camera());
     if (way.chooser() != nullptr) frame["auto"] = to_json(*way.chooser());
