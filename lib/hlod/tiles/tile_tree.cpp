@@ -54,7 +54,7 @@ void TileTree::bound(hlod::NodeId n, TileError error) {
   }
   if (node.children == 0) return;
   const double own = error == TileError::guaranteed ? node.guaranteed_error : node.error;
-  tile.error = std::max(own, above(childrens, glm::length(tile.box.max - tile.box.min)));
+  tile.error = std::max({own, tile.texture_error,  above(childrens, glm::length(tile.box.max - tile.box.min))});
 }
 
 void TileTree::divide(std::vector<hlod::NodeId> children, std::uint32_t tiles_per_file, std::uint32_t& extent) {

@@ -23,6 +23,7 @@ enum class TileError {
 struct Tile {
   double error = 0.0;        // geometricError: 0 at leaves, else more than any child's
   TileBox box;               // around the content and the children's boxes
+  double texture_error = 0.0;  // size of a texel where it is larger than the source's; counts as an error
   TileBox content_box;       // empty: the tile has no content, since everything in it has vanished
   std::uint32_t extent = 1;  // number of tiles from here down in the same file, references to other files included
   bool is_external = false;  // its tileset is a separate file
