@@ -1,5 +1,7 @@
 #include "tileset_output.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -99,8 +101,9 @@ Json write_tileset(const TilesetOutput& output, const hlod::Hlod& hlod, const st
   for (const std::string& image : counts.images_left_out)
     print_note(image + ": no image that glTF has, or not there; left out (--images names the folder that files are " +
                "relative to)");
-  for (const tiles::SharedImage& image : counts.images_shared)
-    print_note(image.name + ": one file for all tiles: " + image.reason);
+  if (const auto& shared = counts.images_shared; !shared.empty())
+    print_note(shared[0].name + " stays one file for all tiles: " + shared[0].reason +
+               (shared.size() > 1 ? fmt::format("; and {} more images do", shared.size() - 1) : ""));
   Json shared = Json::array();
   for (const tiles::SharedImage& image : counts.images_shared) shared.push_back(image.name);
   const auto triangles = static_cast<double>(hlod.data().input_triangle_count);

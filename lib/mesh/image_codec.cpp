@@ -116,8 +116,7 @@ ImageSize size_of_image(std::span<const std::uint8_t> bytes, const std::string& 
   if (stbi_info_from_memory(bytes.data(), static_cast<int>(bytes.size()), &size.width, &size.height, &channels) == 0 ||
       size.width <= 0 || size.height <= 0)
     throw Error({name, "", "is no image that can be read", remedy});
-  if (std::int64_t{size.width} * size.height > max_pixels)
-    throw Error({name, "", "is too large for an image", remedy});
+  if (std::int64_t{size.width} * size.height > max_pixels) throw Error({name, "", "is too large for an image", remedy});
   return size;
 }
 
@@ -125,8 +124,8 @@ Texels decode_texels(std::span<const std::uint8_t> bytes, const std::string& nam
   static_cast<void>(size_of_image(bytes, name));
   Texels texels;
   int channels = 0;
-  stbi_uc* const pixels = stbi_load_from_memory(bytes.data(), static_cast<int>(bytes.size()), &texels.width,
-                                                &texels.height, &channels, 4);
+  stbi_uc* const pixels =
+      stbi_load_from_memory(bytes.data(), static_cast<int>(bytes.size()), &texels.width, &texels.height, &channels, 4);
   if (pixels == nullptr) throw Error({name, "", std::string("cannot be decoded: ") + stbi_failure_reason(), remedy});
   const std::unique_ptr<stbi_uc, void (*)(void*)> owner(pixels, stbi_image_free);
   texels.pixels.resize(static_cast<std::size_t>(texels.width) * static_cast<std::size_t>(texels.height));

@@ -168,8 +168,9 @@ class Tileset(ToolTest):
             self.assertEqual(looks[2]["baseColorFactor"], [1, 0, 0, 1])
             self.assertEqual(gltf["images"], [{"uri": "../../textures/0.png"}])
         note = self.run_tool("tiles", "planet.ohlod", "-o", "tiles", "--replace").stderr
-        self.assertEqual(note.count("\n"), 1, note)  # the other is where it was when the .ohlod file was built
+        self.assertEqual(note.count("\n"), 2, note)  # the other is where it was when the .ohlod file was built
         self.assertIn("--images names the folder", note)
+        self.assertIn("a b.png stays one file for all tiles", note)
 
     def test_vertices_that_no_triangle_uses(self):
         """A sheet with islands of texture coordinates: coarse nodes keep vertices for finer ones to slide to, and tiles leave them out."""

@@ -64,6 +64,12 @@ void add_triangle(Chart& chart, const ChartMesh& mesh, std::uint32_t t) {
 
 }  // namespace
 
+glm::i64vec2 Chart::first_texel(double scale) const noexcept { return glm::i64vec2(glm::floor(min * scale)); }
+
+glm::i64vec2 Chart::texel_counts(double scale) const noexcept {
+  return glm::max(glm::i64vec2(glm::ceil(max * scale)) - first_texel(scale), glm::i64vec2(1));
+}
+
 double Chart::texel_size() const noexcept {
   return texels > 0.0 ? std::sqrt(area / texels) : std::numeric_limits<double>::infinity();
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <glm/fwd.hpp>
 #include <glm/vec2.hpp>
 #include <limits>
 #include <span>
@@ -25,6 +26,9 @@ struct Chart {
   double area = 0.0;                     // of the triangles in space, square object units
   std::vector<std::uint32_t> triangles;  // of the mesh, ascending
 
+  // Returns the first texel that the chart touches, and how many from there, in an image of another scale.
+  [[nodiscard]] glm::i64vec2 first_texel(double scale = 1.0) const noexcept;
+  [[nodiscard]] glm::i64vec2 texel_counts(double scale = 1.0) const noexcept;
   // Returns the size of a texel of the image, object units; infinite where the chart has no area in the image.
   [[nodiscard]] double texel_size() const noexcept;
 };
@@ -41,13 +45,14 @@ struct ChartMesh {
 // place, in space and in the image, whatever normals or colours it has. O(n log n).
 [[nodiscard]] std::vector<Chart> find_charts(const ChartMesh& mesh);
 
-// Calls visit(y, x0, x1) for rows of squares of the unit grid that a triangle touches, [x0, x1) in each, each row once.
-// Squares that it only touches along an edge may be among them.
+// Calls visit(y, x0, x1) for rows of squares of the unit grid whose inside a triangle touches, [x0, x1) in each, each
+// row once. A triangle on a line of the grid touches the squares to its right or below.
 template <typename Visit>
 void for_each_touched_row(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const Visit& visit) {
   const std::array<glm::dvec2, 3> corners{a, b, c};
   const auto [low, high] = std::minmax({a.y, b.y, c.y});
-  for (auto y = static_cast<std::int64_t>(std::floor(low)); y <= static_cast<std::int64_t>(std::floor(high)); ++y) {
+  const auto last = static_cast<std::int64_t>(std::max(std::floor(low), std::ceil(high) - 1.0));
+  for (auto y = static_cast<std::int64_t>(std::floor(low)); y <= last; ++y) {
     const double top = static_cast<double>(y), bottom = top + 1.0;
     double left = std::numeric_limits<double>::infinity(), right = -left;
     for (std::size_t k = 0; k < 3; ++k) {  // the part of each edge that lies in the row
@@ -61,7 +66,28 @@ void for_each_touched_row(const glm::dvec2& a, const glm::dvec2& b, const glm::d
       }
     }
     if (left > right) continue;
-    visit(y, static_cast<std::int64_t>(std::floor(left)), static_cast<std::int64_t>(std::floor(right)) + 1);
+    const double first = std::floor(left);
+    visit(y, static_cast<std::int64_t>(first), static_cast<std::int64_t>(std::max(std::ceil(right), first + 1.0)));
+  }
+}
+
+// Does the same for squares whose centres lie in the triangle or on its border; rows without one are left out.
+template <typename Visit>
+void for_each_centered_row(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const Visit& visit) {
+  const std::array<glm::dvec2, 3> corners{a, b, c};
+  const auto [low, high] = std::minmax({a.y, b.y, c.y});
+  for (auto y = static_cast<std::int64_t>(std::ceil(low - 0.5)); static_cast<double>(y) + 0.5 <= high; ++y) {
+    const double line = static_cast<double>(y) + 0.5;
+    double left = std::numeric_limits<double>::infinity(), right = -left;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec2 &p = corners[k], &q = corners[(k + 1) % 3];
+      if (std::min(p.y, q.y) > line || std::max(p.y, q.y) < line) continue;
+      const double x = p.y == q.y ? p.x : p.x + (q.x - p.x) * ((line - p.y) / (q.y - p.y));
+      left = std::min({left, x, p.y == q.y ? q.x : x});
+      right = std::max({right, x, p.y == q.y ? q.x : x});
+    }
+    const double first = std::ceil(left - 0.5), end = std::floor(right - 0.5) + 1.0;
+    if (first < end) visit(y, static_cast<std::int64_t>(first), static_cast<std::int64_t>(end));
   }
 }
 

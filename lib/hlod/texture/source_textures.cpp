@@ -5,10 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/common.hpp>
-#include <limits>
 #include <map>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "base/threads.h"
@@ -58,7 +57,23 @@ glm::u8vec4 TexelMean::value() const noexcept {
 
 namespace {
 
-constexpr double most_texels = 2.0;  // of an image's, that all tiles of level 0 may take of it
+constexpr double most_texels = 2.0;              // of an image's, that all tiles of level 0 may take of it
+constexpr double farthest_coordinate = 65536.0;  // texture coordinates beyond have no bits for texels
+
+// Returns the texel of a row of `size` that texel i of the continued row shows.
+std::int64_t wrapped(std::int64_t i, std::int64_t size, TextureWrap wrap) {
+  if (i >= 0 && i < size) return i;
+  if (wrap == TextureWrap::clamp) return std::clamp<std::int64_t>(i, 0, size - 1);
+  const std::int64_t period = wrap == TextureWrap::mirror ? 2 * size : size;
+  const std::int64_t within = (i % period + period) % period;
+  return within < size ? within : 2 * size - 1 - within;
+}
+
+// Returns the coordinates with v downwards.
+glm::dvec2 from_top(const glm::vec2& coordinates, TextureOrigin origin) {
+  const double v = coordinates.y;
+  return {coordinates.x, origin == TextureOrigin::top_left ? v : 1.0 - v};
+}
 
 // Returns the next smaller size. Texels that nothing shows count where nothing is shown at all.
 ImageLevel half_of(const ImageLevel& level, unsigned threads) {
@@ -87,6 +102,10 @@ ImageLevel half_of(const ImageLevel& level, unsigned threads) {
 
 }  // namespace
 
+std::size_t SourceImage::at(const ImageLevel& level, std::int64_t x, std::int64_t y) const noexcept {
+  return level.at(wrapped(x, level.width, wrap_s), wrapped(y, level.height, wrap_t));
+}
+
 // Gathers what level 0 shows of each image.
 class SourceTextures::Planner {
  public:
@@ -113,9 +132,7 @@ class SourceTextures::Planner {
     TextureId texture = no_texture;  // one that holds or names it
     std::string name;
     ImageSize size;
-    std::string reason;  // why it stays shared; empty: it does not
-    glm::dvec2 min{std::numeric_limits<double>::infinity()};  // texture coordinates, v downwards
-    glm::dvec2 max{-std::numeric_limits<double>::infinity()};
+    std::string reason;            // why it stays shared; empty: it does not
     double packed = 0.0;           // texels that all charts take
     std::uint32_t number = no_id;  // in images_
   };
@@ -125,15 +142,17 @@ class SourceTextures::Planner {
     result_.origin_ = view_.texture_origin;
     result_.image_of_.assign(view_.materials.size(), no_id);
     if (!view_.has_texture_coordinates) return;
-    std::map<std::string, std::uint32_t> by_file;
+    std::map<std::tuple<std::string, TextureWrap, TextureWrap>, std::uint32_t> by_file;
     std::map<TextureId, std::uint32_t> by_texture;
     for (std::size_t m = 0; m < view_.materials.size(); ++m) {
       const Material& material = view_.materials[m];
       if (material.texture == no_texture) continue;
       const Texture& texture = view_.textures[material.texture];
       const auto next = static_cast<std::uint32_t>(plans_.size());
-      const std::uint32_t plan = texture.bytes.empty() ? by_file.try_emplace(texture.file, next).first->second
-                                                       : by_texture.try_emplace(material.texture, next).first->second;
+      const std::uint32_t plan =
+          texture.bytes.empty()
+              ? by_file.try_emplace({texture.file, texture.wrap_s, texture.wrap_t}, next).first->second
+              : by_texture.try_emplace(material.texture, next).first->second;
       if (plan == next) add_plan(material.texture);
       if (plans_[plan].size.width == 0) continue;
       const auto textures = material.textures();
@@ -151,7 +170,8 @@ class SourceTextures::Planner {
     if (!bytes) return;
     try {
       plan.size = size_of_image(*bytes, plan.name);
-    } catch (const Error&) {  // write_images() reports or copies it
+    } catch (const Error&) {
+      result_.shared_.push_back({plan.name, "it cannot be decoded"});
     }
   }
 
@@ -177,44 +197,33 @@ class SourceTextures::Planner {
     for (std::uint32_t v = 0; v < images.size(); ++v) {
       images[v] = image_of(mesh, v);
       if (images[v] == no_id) continue;
-      const Plan& plan = plans_[images[v]];
-      texels[v] = from_top(mesh.texture_coordinates[v]) * glm::dvec2(plan.size.width, plan.size.height);
+      Plan& plan = plans_[images[v]];
+      const glm::dvec2 place = from_top(mesh.texture_coordinates[v], view_.texture_origin);
+      if (std::abs(place.x) < farthest_coordinate && std::abs(place.y) < farthest_coordinate)
+        texels[v] = place * glm::dvec2(plan.size.width, plan.size.height);
+      else
+        plan.reason = "it has texture coordinates beyond 65536";
     }
-    for (const Triangle& t : triangles)
-      for (int k = 0; k < 3; ++k)
-        if (images[t[k]] != no_id) take(plans_[images[t[k]]], from_top(mesh.texture_coordinates[t[k]]));
     for (const Chart& chart : find_charts({mesh.positions, texels, images, triangles})) {
-      const glm::dvec2 size = glm::floor(chart.max) - glm::floor(chart.min) + (1.0 + 2.0 * gutter);
+      const glm::dvec2 size(chart.texel_counts() + std::int64_t{2 * gutter});
       plans_[chart.image].packed += size.x * size.y;
     }
-  }
-
-  static void take(Plan& plan, const glm::dvec2& place) {
-    plan.min = glm::min(plan.min, place);
-    plan.max = glm::max(plan.max, place);
-  }
-
-  [[nodiscard]] glm::dvec2 from_top(const glm::vec2& coordinates) const {
-    const double v = coordinates.y;
-    return {coordinates.x, view_.texture_origin == TextureOrigin::top_left ? v : 1.0 - v};
   }
 
   // Decides which images are divided, and numbers them.
   void decide() {
     for (Plan& plan : plans_) {
-      if (plan.size.width == 0 || !(plan.min.x <= plan.max.x)) continue;
-      const glm::dvec2 size(plan.size.width, plan.size.height);
-      const glm::dvec2 first = glm::floor(plan.min + 1.0 / size);  // a texel beyond the edge is still the edge
-      const glm::dvec2 last = first + 1.0 + 1.0 / size;
-      if (plan.reason.empty() && !(plan.max.x <= last.x && plan.max.y <= last.y)) plan.reason = "it repeats";
-      if (plan.reason.empty() && plan.packed > most_texels * size.x * size.y)
-        plan.reason = fmt::format("tiles show {:.1f} times its texels", plan.packed / (size.x * size.y));
+      if (plan.packed == 0.0) continue;  // not there, or nothing shows it
+      const double texels = static_cast<double>(plan.size.width) * plan.size.height;
+      if (plan.reason.empty() && plan.packed > most_texels * texels)
+        plan.reason = fmt::format("its parts would have {:.1f} times its texels", plan.packed / texels);
       if (!plan.reason.empty()) {
         result_.shared_.push_back({plan.name, plan.reason});
         continue;
       }
       plan.number = static_cast<std::uint32_t>(result_.images_.size());
-      result_.images_.push_back({plan.name, first, false, {}});
+      const Texture& texture = view_.textures[plan.texture];
+      result_.images_.push_back({texture.wrap_s, texture.wrap_t, false, {}});
     }
     for (std::uint32_t& image : result_.image_of_)
       if (image != no_id) image = plans_[image].number;
@@ -241,13 +250,11 @@ class SourceTextures::Planner {
     for (const Triangle& t : triangles_of(mesh)) {
       const std::uint32_t image = image_of(mesh, t.x);
       if (image == no_id) continue;
-      ImageLevel& level = result_.images_[image].levels[0];
+      SourceImage& source = result_.images_[image];
+      ImageLevel& level = source.levels[0];
       const auto at = [&](VertexId v) { return result_.texels(image, mesh.texture_coordinates[v]); };
-      for_each_touched_row(at(t.x), at(t.y), at(t.z), [&](std::int64_t y, std::int64_t x0, std::int64_t x1) {
-        if (y < 0 || y >= level.height) return;
-        x0 = std::clamp<std::int64_t>(x0, 0, level.width);
-        x1 = std::clamp<std::int64_t>(x1, x0, level.width);
-        std::fill_n(level.coverage.begin() + static_cast<std::ptrdiff_t>(level.at(x0, y)), x1 - x0, std::uint8_t{255});
+      for_each_centered_row(at(t.x), at(t.y), at(t.z), [&](std::int64_t y, std::int64_t x0, std::int64_t x1) {
+        for (std::int64_t x = x0; x < x1; ++x) level.coverage[source.at(level, x, y)] = 255;
       });
     }
   }
@@ -267,11 +274,8 @@ SourceTextures::SourceTextures(const hlod::Hlod& hlod, const std::filesystem::pa
 }
 
 glm::dvec2 SourceTextures::texels(std::uint32_t image, const glm::vec2& coordinates) const noexcept {
-  const SourceImage& source = images_[image];
-  const ImageLevel& finest = source.levels[0];
-  const double v = coordinates.y;
-  const glm::dvec2 place(coordinates.x, origin_ == TextureOrigin::top_left ? v : 1.0 - v);
-  return (place - source.first) * glm::dvec2(finest.width, finest.height);
+  const ImageLevel& finest = images_[image].levels[0];
+  return from_top(coordinates, origin_) * glm::dvec2(finest.width, finest.height);
 }
 
 glm::vec2 SourceTextures::coordinates(const glm::dvec2& place) const noexcept {

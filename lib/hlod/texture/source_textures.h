@@ -26,7 +26,7 @@ inline constexpr int gutter = 2;
 struct ImageLevel {
   int width = 0, height = 0;
   UninitializedVector<glm::u8vec4> pixels;     // sRGB and alpha, rows from the top
-  UninitializedVector<std::uint8_t> coverage;  // how much of it triangles of level 0 show, of 255; 0: nothing
+  UninitializedVector<std::uint8_t> coverage;  // how much of it lies in triangles of level 0, of 255; 0: nothing
 
   [[nodiscard]] std::size_t at(std::int64_t x, std::int64_t y) const noexcept {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
@@ -35,10 +35,12 @@ struct ImageLevel {
 
 // One image that is divided among tiles.
 struct SourceImage {
-  std::string name;                // for messages
-  glm::dvec2 first{0.0};           // texture coordinates of its corner, whole numbers
+  TextureWrap wrap_s = TextureWrap::repeat, wrap_t = TextureWrap::repeat;
   bool is_jpeg = false;
   std::vector<ImageLevel> levels;  // down to one texel
+
+  // Returns the place in pixels of texel (x, y) of a size, however far outside of the image it is.
+  [[nodiscard]] std::size_t at(const ImageLevel& level, std::int64_t x, std::int64_t y) const noexcept;
 };
 
 // Decodes each image once. Pixels lie in large memory (base/memory.h), 7 bytes for each of the finest.
@@ -47,9 +49,9 @@ class SourceTextures {
   // Divides no image.
   SourceTextures() = default;
   // Finds the images that can be divided, from what all nodes of level 0 show of them, and reads them from
-  // `image_folder`. Images stay shared where texture coordinates leave [0, 1], where all charts together would take
-  // more than twice their texels (bricks that many walls show), and where materials have further maps. Calls `next`
-  // before each node, twice. Throws Error for damaged files. O(texels + n log n).
+  // `image_folder`. Images stay shared where all charts together would take more than twice their texels (bricks that
+  // many walls show) and where materials have further maps. Calls `next` before each node of level 0, twice. Throws
+  // Error for damaged files. O(texels + n log n).
   SourceTextures(const hlod::Hlod& hlod, const std::filesystem::path& image_folder, unsigned threads,
                  const std::function<void()>& next);
 

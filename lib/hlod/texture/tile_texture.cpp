@@ -19,11 +19,11 @@ void sort_rectangles(void* rectangles, std::size_t count, std::size_t size, int 
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), std::size_t{0});
   auto* const bytes = static_cast<std::byte*>(rectangles);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return compare(bytes + a * size, bytes + b * size) < 0;
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return compare(bytes + a * size, bytes + b * size) < 0; });
   const std::vector<std::byte> before(bytes, bytes + count * size);
-  for (std::size_t i = 0; i < count; ++i) std::copy_n(before.begin() + static_cast<std::ptrdiff_t>(order[i] * size), size, bytes + i * size);
+  for (std::size_t i = 0; i < count; ++i)
+    std::copy_n(before.begin() + static_cast<std::ptrdiff_t>(order[i] * size), size, bytes + i * size);
 }
 
 }  // namespace
@@ -37,19 +37,19 @@ void sort_rectangles(void* rectangles, std::size_t count, std::size_t size, int 
 namespace occlod::tiles {
 namespace {
 
-constexpr int max_side = 8192;    // of a tile's image
-constexpr int oversampling = 2;   // sizes of the source between what is read and what is made
-constexpr int most_rounds = 64;   // of filling what the source does not show
+constexpr int max_side = 8192;   // of a tile's image
+constexpr int oversampling = 2;  // sizes of the source between what is read and what is made
+constexpr int most_rounds = 64;  // of filling what the source does not show
 
 int round_up(int value) { return (value + 3) / 4 * 4; }
 
 // A chart, and where it lies in the image of the tile.
 struct Placed {
   Chart chart;
-  int level = 0;                // size of the source that its texels are as large as
-  glm::i64vec2 first{0};        // its first texel at that size
-  glm::ivec2 size{0};           // texels, without gutters
-  glm::ivec2 at{0};             // of its first texel in the image
+  int level = 0;          // size of the source that its texels are as large as
+  glm::i64vec2 first{0};  // its first texel at that size
+  glm::ivec2 size{0};     // texels, without gutters
+  glm::ivec2 at{0};       // of its first texel in the image
 };
 
 void choose_level(Placed& placed, const SourceImage& source, double texel_size, int coarser) {
@@ -58,8 +58,8 @@ void choose_level(Placed& placed, const SourceImage& source, double texel_size, 
   const int most = static_cast<int>(source.levels.size()) - 1;
   placed.level = std::min(static_cast<int>(std::min(level, 64.0)) + coarser, most);
   const double scale = std::ldexp(1.0, -placed.level);
-  placed.first = glm::i64vec2(glm::floor(placed.chart.min * scale));
-  placed.size = glm::ivec2(glm::i64vec2(glm::floor(placed.chart.max * scale)) - placed.first + std::int64_t{1});
+  placed.first = placed.chart.first_texel(scale);
+  placed.size = glm::ivec2(placed.chart.texel_counts(scale));
 }
 
 // Packs into an image of a given width. Returns the height.
@@ -80,7 +80,8 @@ glm::ivec2 pack(std::vector<Placed>& charts) {
   int widest = 0;
   for (const Placed& placed : charts) {
     const glm::ivec2 size = placed.size + 2 * gutter;
-    rectangles.push_back({.id = static_cast<int>(rectangles.size()), .w = size.x, .h = size.y, .x = 0, .y = 0, .was_packed = 0});
+    rectangles.push_back(
+        {.id = static_cast<int>(rectangles.size()), .w = size.x, .h = size.y, .x = 0, .y = 0, .was_packed = 0});
     area += static_cast<double>(size.x) * size.y;
     widest = std::max(widest, size.x);
   }
@@ -113,7 +114,9 @@ class TileImageMaker {
     }
   }
 
-  [[nodiscard]] std::vector<Chart> charts() const { return find_charts({mesh_.positions, texels_, images_, mesh_.triangles}); }
+  [[nodiscard]] std::vector<Chart> charts() const {
+    return find_charts({mesh_.positions, texels_, images_, mesh_.triangles});
+  }
 
   // Makes the pixels, and moves the texture coordinates in `coordinates`.
   TileImage run(double texel_size, std::vector<glm::vec2>& coordinates) {
@@ -181,7 +184,8 @@ class TileImageMaker {
 
   // Copies the texels that triangles touch, and those around each, which filtering reads.
   void copy_whole(const Placed& placed) {
-    const ImageLevel& level = sources_.image(placed.chart.image).levels[0];
+    const SourceImage& source = sources_.image(placed.chart.image);
+    const ImageLevel& level = source.levels[0];
     Mask mask = mask_of(placed, 0);
     for (std::int64_t y = 0; y < placed.size.y; ++y)
       for (std::int64_t x = 0; x < placed.size.x; ++x) {
@@ -190,9 +194,7 @@ class TileImageMaker {
           for (std::int64_t i = x - 1; i <= x + 1; ++i) {
             const std::size_t at = place(placed, i, j);
             if (state_[at] == State::known) continue;
-            const std::int64_t from_x = std::clamp<std::int64_t>(placed.first.x + i, 0, level.width - 1);
-            const std::int64_t from_y = std::clamp<std::int64_t>(placed.first.y + j, 0, level.height - 1);
-            pixels_[at] = level.pixels[level.at(from_x, from_y)];
+            pixels_[at] = level.pixels[source.at(level, placed.first.x + i, placed.first.y + j)];
             state_[at] = State::known;
           }
       }
@@ -200,26 +202,25 @@ class TileImageMaker {
 
   void copy_means(const Placed& placed) {
     const int finer = std::min(placed.level, oversampling);
-    const ImageLevel& level = sources_.image(placed.chart.image).levels[static_cast<std::size_t>(placed.level - finer)];
+    const SourceImage& source = sources_.image(placed.chart.image);
+    const ImageLevel& level = source.levels[static_cast<std::size_t>(placed.level - finer)];
     Mask mask = mask_of(placed, placed.level - finer);
     const std::int64_t side = std::int64_t{1} << finer;
     for (std::int64_t y = 0; y < placed.size.y; ++y)
       for (std::int64_t x = 0; x < placed.size.x; ++x) {
         const std::int64_t x0 = (placed.first.x + x) * side, y0 = (placed.first.y + y) * side;
-        TexelMean mean;
-        bool is_touched = false;
+        TexelMean mean, touched;
         for (std::int64_t j = y0; j < y0 + side; ++j)
           for (std::int64_t i = x0; i < x0 + side; ++i) {
             if (mask.at(i, j) == 0) continue;
-            is_touched = true;
-            if (i < 0 || j < 0 || i >= level.width || j >= level.height) continue;
-            const std::size_t from = level.at(i, j);
+            const std::size_t from = source.at(level, i, j);
             if (level.coverage[from] > 0) mean.add(level.pixels[from], level.coverage[from]);
+            touched.add(level.pixels[from], 1.0F);
           }
-        if (!is_touched) continue;
+        if (touched.is_empty()) continue;
         const std::size_t at = place(placed, x, y);
         state_[at] = mean.is_empty() ? State::wanted : State::known;
-        if (!mean.is_empty()) pixels_[at] = mean.value();
+        pixels_[at] = mean.is_empty() ? touched.value() : mean.value();
       }
   }
 
@@ -237,7 +238,8 @@ class TileImageMaker {
       }
   }
 
-  // Lets known texels grow over what triangles touch, and as far as gutters reach; the rest is the mean of all.
+  // Lets known texels grow over what triangles touch but the input does not show, and as far as gutters reach. Where
+  // nothing is known, as of charts thinner than a texel, means of what is there stay; the rest is the mean of all.
   void fill() {
     TexelMean all;
     std::size_t wanted = 0;
@@ -248,7 +250,7 @@ class TileImageMaker {
     for (int round = 0; round < gutter || (wanted > 0 && round < most_rounds); ++round) wanted -= grow(round >= gutter);
     const glm::u8vec4 mean = all.is_empty() ? glm::u8vec4(255) : all.value();
     for (std::size_t i = 0; i < state_.size(); ++i)
-      if (state_[i] != State::known) pixels_[i] = mean;
+      if (state_[i] == State::empty) pixels_[i] = mean;
   }
 
   // Fills each texel that has known neighbours with their mean, if triangles touch it or all are asked for. Returns how
@@ -258,12 +260,14 @@ class TileImageMaker {
     std::size_t wanted = 0;
     for (int y = 0; y < size_.y; ++y)
       for (int x = 0; x < size_.x; ++x) {
-        const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.x) + static_cast<std::size_t>(x);
+        const std::size_t at =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.x) + static_cast<std::size_t>(x);
         if (state_[at] == State::known || (only_wanted && state_[at] != State::wanted)) continue;
         TexelMean mean;
         for (int j = std::max(y - 1, 0); j <= std::min(y + 1, size_.y - 1); ++j)
           for (int i = std::max(x - 1, 0); i <= std::min(x + 1, size_.x - 1); ++i) {
-            const std::size_t from = static_cast<std::size_t>(j) * static_cast<std::size_t>(size_.x) + static_cast<std::size_t>(i);
+            const std::size_t from =
+                static_cast<std::size_t>(j) * static_cast<std::size_t>(size_.x) + static_cast<std::size_t>(i);
             if (state_[from] == State::known) mean.add(pixels_[from], 1.0F);
           }
         if (mean.is_empty()) continue;
@@ -299,6 +303,7 @@ double mean_texel_size(const TriangleMesh& mesh, const SourceTextures& sources) 
 }
 
 TileImage make_tile_image(TriangleMesh& mesh, const SourceTextures& sources, double texel_size) {
+  if (sources.images().empty()) return {};
   std::vector<glm::vec2> coordinates = mesh.texture_coordinates;
   TileImage image = TileImageMaker(mesh, sources).run(texel_size, coordinates);
   mesh.texture_coordinates = std::move(coordinates);

@@ -58,7 +58,7 @@ class BorderVertices {
 
 // An image that a tile holds itself.
 struct OwnImage {
-  std::vector<std::uint8_t> bytes;       // PNG or JPEG; empty: the tile has none
+  std::vector<std::uint8_t> bytes;        // PNG or JPEG; empty: the tile has none
   std::vector<std::uint8_t> is_shown_by;  // by material: it shows this image, in place of the HLOD's
 };
 

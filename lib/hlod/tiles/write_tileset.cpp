@@ -10,6 +10,7 @@
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <string>
@@ -222,6 +223,7 @@ void check_tileset_options(const TilesetOptions& options) {
 
 namespace {
 
+constexpr double least_texels = 1024.0;  // of a tile's image, to be worth a tile of its own
 constexpr std::size_t max_levels = 100;  // files may be nested as deeply
 
 void check(const hlod::Hlod& hlod) {
@@ -302,11 +304,11 @@ class TilesetWriter {
     ++done_;
   }
 
-  // A tile with what is counted of it; without bytes where everything has vanished.
+  // The tiles of a node, the finest first, with what is counted of them; none where everything has vanished.
   struct WrittenTile {
-    TileContent content;
+    std::vector<TileContent> contents;
+    std::vector<double> texel_sizes;  // by content, 0 for one that has its source's
     TilesetCounts counts;
-    double texel_size = 0.0;
   };
 
   void count_sources() {
@@ -326,44 +328,66 @@ class TilesetWriter {
     hlod_.require(n);
     TileMesh tile = tile_mesh(hlod_, n, crease_deg, borders_);
     if (tile.mesh.triangles.empty()) return made;
-    if (!sources_.images().empty()) give_image(n, tile, made);
+    const double mean = sources_.images().empty() ? 0.0 : mean_texel_size(tile.mesh, sources_);
+    if (mean == 0.0) {
+      add_content(n, std::move(tile), 0.0, made);
+      return made;
+    }
+    const double texel_size = texel_size_of(hlod_.node(n), mean);
+    add_content(n, tile, texel_size, made);
     const hlod::NodeId parent = parent_of(hlod_, n);
-    if (options_.skirts && parent != no_id) add_skirts(tile, hlod_.node(parent).error, borders_);
-    made.content = encode_tile(tile, look_, format_, errors_);
-    made.counts.tiles = 1;
-    made.counts.triangles = tile.mesh.triangles.size() - tile.skirt_triangles;
-    made.counts.skirt_triangles = tile.skirt_triangles;
+    if (parent == no_id) return made;
+    double coarser = 2.0 * std::max(texel_size, mean);
+    double texels = static_cast<double>(made.counts.texels) / 4.0;
+    for (; texels >= least_texels && coarser * std::numbers::sqrt2 < hlod_.node(parent).guaranteed_error;
+         coarser *= 2.0, texels /= 4.0)
+      add_content(n, tile, coarser, made);
     return made;
   }
 
-  // Gives a tile the image that its error needs. Each level halves the resolution at least, as geometry does: else flat
-  // surfaces, which have no error, would show the whole source again and again.
-  void give_image(hlod::NodeId n, TileMesh& tile, WrittenTile& made) const {
-    const hlod::Node& node = hlod_.node(n);
-    double texel_size = 0.0;
-    if (node.level > 0)
-      texel_size = std::max<double>(node.guaranteed_error, std::ldexp(mean_texel_size(tile.mesh, sources_), node.level));
+  // Returns the size of texels that a node's error needs, object units. Each level halves the resolution at least, as
+  // geometry does: else flat surfaces, which have no error, would show the whole source again and again.
+  [[nodiscard]] static double texel_size_of(const hlod::Node& node, double mean) {
+    return node.level == 0 ? 0.0 : std::max<double>(node.guaranteed_error, std::ldexp(mean, node.level));
+  }
+
+  // Adds a tile of the node, with texels of that size.
+  void add_content(hlod::NodeId n, TileMesh tile, double texel_size, WrittenTile& made) const {
+    made.texel_sizes.push_back(give_image(tile, texel_size, made.counts));
+    const hlod::NodeId parent = parent_of(hlod_, n);
+    if (options_.skirts && parent != no_id) add_skirts(tile, hlod_.node(parent).error, borders_);
+    made.contents.push_back(encode_tile(tile, look_, format_, errors_));
+    made.counts.triangles += tile.mesh.triangles.size() - tile.skirt_triangles;
+    made.counts.skirt_triangles += tile.skirt_triangles;
+  }
+
+  // Gives a tile an image if it shows one that is divided. Returns the size of the largest texel that is larger than
+  // its source's.
+  double give_image(TileMesh& tile, double texel_size, TilesetCounts& counts) const {
     TileImage image = make_tile_image(tile.mesh, sources_, texel_size);
-    if (image.width == 0) return;
-    made.texel_size = image.texel_size;
-    made.counts.texels = image.pixels.size();
-    made.counts.charts = image.charts;
+    if (image.width == 0) return 0.0;
+    counts.texels += image.pixels.size();
+    counts.charts += image.charts;
     const bool is_opaque = std::ranges::all_of(image.pixels, [](const glm::u8vec4& p) { return p.a == 255; });
     const bool is_jpeg = texture_format_ == TextureFormat::jpeg && is_opaque;
     tile.image.bytes = is_jpeg ? encode_jpeg(image.pixels, image.width) : encode_png(image.pixels, image.width);
     tile.image.is_shown_by = std::move(image.is_of_tile);
-    made.counts.texture_bytes = tile.image.bytes.size();
+    counts.texture_bytes += tile.image.bytes.size();
+    return image.texel_size;
   }
 
   void write(hlod::NodeId n, const WrittenTile& made) {
-    if (made.counts.tiles == 0) return;
-    folder_.write(content_name(n), made.content.bytes);
-    tree_[n].content_box = made.content.box;
-    tree_[n].texture_error = made.texel_size;
-    counts_.tiles += made.counts.tiles;
+    if (made.contents.empty()) return;
+    for (std::size_t i = 0; i < made.contents.size(); ++i) {
+      folder_.write(content_name(n, i), made.contents[i].bytes);
+      counts_.content_bytes += made.contents[i].bytes.size();
+    }
+    tree_[n].content_box = made.contents[0].box;
+    tree_[n].texture_error = made.texel_sizes[0];
+    tree_[n].coarser.assign(made.texel_sizes.begin() + 1, made.texel_sizes.end());
+    counts_.tiles += made.contents.size();
     counts_.triangles += made.counts.triangles;
     counts_.skirt_triangles += made.counts.skirt_triangles;
-    counts_.content_bytes += made.content.bytes.size();
     counts_.texels += made.counts.texels;
     counts_.texture_bytes += made.counts.texture_bytes;
     counts_.charts += made.counts.charts;

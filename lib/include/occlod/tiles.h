@@ -56,7 +56,7 @@ struct TilesetOptions {
   // Of the images that tiles have of their own; nothing: JPEG where all images that are divided among them are, else
   // PNG.
   std::optional<TextureFormat> texture_format;
-  int threads = 0;  // in [0, 1024]; 0: one for each core. The result does not depend on it
+  int threads = 0;       // in [0, 1024]; 0: one for each core. The result does not depend on it
   bool replace = false;  // a tileset in the folder, if nothing else is there
   // Called now and then with the share done, in [0, 1]. What it throws ends the writing, and leaves the folder as it
   // was.
