@@ -364,7 +364,9 @@ class TilesetWriter {
   // Gives a tile an image if it shows one that is divided. Returns the size of the largest texel that is larger than
   // its source's.
   double give_image(TileMesh& tile, double texel_size, TilesetCounts& counts) const {
-    TileImage image = make_tile_image(tile.mesh, sources_, texel_size);
+    constexpr int jpeg_block = 8;  // which an edge within would cost
+    const int fill = texture_format_ == TextureFormat::jpeg ? jpeg_block : gutter;
+    TileImage image = make_tile_image(tile.mesh, sources_, texel_size, fill);
     if (image.width == 0) return 0.0;
     counts.texels += image.pixels.size();
     counts.charts += image.charts;
