@@ -40,7 +40,7 @@ for (const [index, camera] of cameras.entries()) {
     viewer.scene.debugCommandFilter = undefined;
     await frame();
     const counts = tileset.statistics;
-    const texels = (length) => Math.round(length / 4 / (4 / 3));  // CesiumJS makes smaller sizes of them too
+    const texels = (length) => length / 4;  // it counts no smaller sizes
     const shown = tileset._selectedTiles.reduce((sum, tile) => sum + tile.content.texturesByteLength, 0);
     return { texels: texels(shown), resident_texels: texels(counts.texturesByteLength), triangles: counts.numberOfTrianglesSelected, tiles: counts.selected, ms: performance.now() - begin };
   }, camera));

@@ -119,7 +119,7 @@ class TileImageMaker {
   }
 
   // Makes the pixels, and moves the texture coordinates in `coordinates`.
-  TileImage run(double texel_size, int fill_texels, std::vector<glm::vec2>& coordinates) {
+  TileImage run(double texel_size, std::vector<glm::vec2>& coordinates) {
     TileImage result;
     for (Chart& chart : charts()) charts_.emplace_back().chart = std::move(chart);
     if (charts_.empty()) return result;
@@ -136,7 +136,7 @@ class TileImageMaker {
       if (placed.level > 0 && placed.chart.area > 0.0)
         result.texel_size = std::max(result.texel_size, std::ldexp(placed.chart.texel_size(), placed.level));
     }
-    fill(fill_texels);
+    fill();
     result.width = size_.x;
     result.height = size_.y;
     result.pixels = std::move(pixels_);
@@ -238,16 +238,16 @@ class TileImageMaker {
       }
   }
 
-  // Lets known texels grow over what triangles touch but the input does not show, and `texels` farther. Where
+  // Lets known texels grow over what triangles touch but the input does not show, and as far as gutters reach. Where
   // nothing is known, as of charts thinner than a texel, means of what is there stay; the rest is the mean of all.
-  void fill(int texels) {
+  void fill() {
     TexelMean all;
     std::size_t wanted = 0;
     for (std::size_t i = 0; i < state_.size(); ++i) {
       if (state_[i] == State::known) all.add(pixels_[i], 1.0F);
       if (state_[i] == State::wanted) ++wanted;
     }
-    for (int round = 0; round < texels || (wanted > 0 && round < most_rounds); ++round) wanted -= grow(round >= texels);
+    for (int round = 0; round < gutter || (wanted > 0 && round < most_rounds); ++round) wanted -= grow(round >= gutter);
     const glm::u8vec4 mean = all.is_empty() ? glm::u8vec4(255) : all.value();
     for (std::size_t i = 0; i < state_.size(); ++i)
       if (state_[i] == State::empty) pixels_[i] = mean;
@@ -302,10 +302,10 @@ double mean_texel_size(const TriangleMesh& mesh, const SourceTextures& sources) 
   return texels > 0.0 ? std::sqrt(area / texels) : 0.0;
 }
 
-TileImage make_tile_image(TriangleMesh& mesh, const SourceTextures& sources, double texel_size, int fill) {
+TileImage make_tile_image(TriangleMesh& mesh, const SourceTextures& sources, double texel_size) {
   if (sources.images().empty()) return {};
   std::vector<glm::vec2> coordinates = mesh.texture_coordinates;
-  TileImage image = TileImageMaker(mesh, sources).run(texel_size, fill, coordinates);
+  TileImage image = TileImageMaker(mesh, sources).run(texel_size, coordinates);
   mesh.texture_coordinates = std::move(coordinates);
   return image;
 }

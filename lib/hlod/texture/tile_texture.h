@@ -25,10 +25,8 @@ struct TileImage {
 // Packs what the mesh, which has no extra wedges, shows of divided images into one image, and makes its texture
 // coordinates lead there. Texels have about `texel_size` object units, but are never finer than their source's; those
 // of whole size are copied, and show what their source shows at every place of every triangle. Smaller ones are means
-// over an area, in linear light, of what their chart alone shows. What no triangle shows is filled: up to `fill` texels
-// (>= gutter) from a chart with what is near, elsewhere with the mean of all. The same arguments give the same pixels.
-// O(n log n + texels * fill).
-[[nodiscard]] TileImage make_tile_image(TriangleMesh& mesh, const SourceTextures& sources, double texel_size,
-                                        int fill = gutter);
+// over an area, in linear light, of what their chart alone shows; what no triangle shows is filled with what is near.
+// The same arguments give the same pixels. O(n log n + texels).
+[[nodiscard]] TileImage make_tile_image(TriangleMesh& mesh, const SourceTextures& sources, double texel_size);
 
 }  // namespace occlod::tiles

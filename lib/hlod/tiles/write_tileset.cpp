@@ -364,9 +364,7 @@ class TilesetWriter {
   // Gives a tile an image if it shows one that is divided. Returns the size of the largest texel that is larger than
   // its source's.
   double give_image(TileMesh& tile, double texel_size, TilesetCounts& counts) const {
-    constexpr int jpeg_block = 8;  // which an edge within would cost
-    const int fill = texture_format_ == TextureFormat::jpeg ? jpeg_block : gutter;
-    TileImage image = make_tile_image(tile.mesh, sources_, texel_size, fill);
+    TileImage image = make_tile_image(tile.mesh, sources_, texel_size);
     if (image.width == 0) return 0.0;
     counts.texels += image.pixels.size();
     counts.charts += image.charts;
