@@ -2,8 +2,10 @@
 """Makes a large textured model of a small mesh with texture coordinates, for measurements of tiles; needs numpy.
 textured_model.py MESH.obj FOLDER [--size 8192] [--subdivide 2] [--seed 1]
 Charts are packed anew, each triangle becomes 4**SUBDIVIDE, vertices move by noise along their normals, and FOLDER/model.png, SIZE x SIZE texels, shows a pattern that is
-a function of the place in space: a seam where it breaks is a mistake of who drew it. The same arguments give the same files."""
+a function of the place in space: a seam where it breaks is a mistake of who drew it. FOLDER/scene.json has a path that approaches it, for
+scripts/check_tiles.sh. The same arguments give the same files."""
 import argparse
+import json
 import pathlib
 import struct
 import zlib
@@ -164,6 +166,17 @@ def displaced(positions, triangles, extent, seed):
     return positions + normals * height[:, None] * (extent / 400)
 
 
+def write_scene(path, low, high):
+    """The model, and a path of 12 cameras that approaches its upper half from two and a half times its extent, y up."""
+    extent, target = (high - low).max(), (low + high) / 2 + [0, 0.1 * (high - low)[1], 0]
+    keys = []
+    for i in range(12):
+        distance, turn = 2.5 * extent * 0.72**i, 0.5 + 0.12 * i
+        away = np.array([np.sin(turn), 0.15, np.cos(turn)]) * distance
+        keys.append({"eye": list(np.round(target + away, 6)), "target": list(np.round(target, 6)), "up": [0, 1, 0], "fov_y_deg": 50})
+    path.write_text(json.dumps({"objects": [{"mesh": "model.obj"}], "cameras": {"default": keys[0]}, "paths": {"approach": {"frames": 12, "keys": keys}}}))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("mesh", type=pathlib.Path)
@@ -196,6 +209,7 @@ def main():
         np.savetxt(file, coordinates, "vt %.8f %.8f")
         pairs = np.stack([faces + 1, texture_faces + 1], axis=2).reshape(len(faces), 6)
         np.savetxt(file, pairs, "f %d/%d %d/%d %d/%d")
+    write_scene(options.folder / "scene.json", positions.min(axis=0), positions.max(axis=0))
     print(f"{len(faces)} triangles, {options.size} x {options.size} texels")
 
 

@@ -50,8 +50,7 @@ void bind_tiles(nb::module_& m) {
           "images_shared",
           [](const TilesetCounts& counts) {
             std::vector<std::tuple<std::string, std::string>> shared;
-            for (const tiles::SharedImage& image : counts.images_shared)
-              shared.emplace_back(image.name, image.reason);
+            for (const tiles::SharedImage& image : counts.images_shared) shared.emplace_back(image.name, image.reason);
             return shared;
           },
           "Images that stay one file for all tiles: the name of each, and why.");
@@ -76,7 +75,8 @@ void bind_tiles(nb::module_& m) {
         return write_tileset(folder, hlod, options);
       },
       "folder"_a, "hlod"_a, nb::kw_only(), "meshopt"_a, "quantise_bits"_a.none(), "skirts"_a, "up"_a.none(),
-      "origin"_a.none(), "images"_a, "texture_format"_a.none(), "threads"_a, "replace"_a, "progress"_a.none(), "See write_tiles().");
+      "origin"_a.none(), "images"_a, "texture_format"_a.none(), "threads"_a, "replace"_a, "progress"_a.none(),
+      "See write_tiles().");
   m.def("check_tileset_output", &tiles::check_tileset_output, "folder"_a, "replace"_a,
         "Raises what write_tiles() raises for this folder.");
 }

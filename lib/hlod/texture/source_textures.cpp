@@ -37,7 +37,7 @@ std::uint8_t srgb_of(float linear) noexcept {
       values[i] = static_cast<std::uint8_t>(std::lround(255.0 * linear_to_srgb(static_cast<double>(i) / steps)));
     return values;
   }();
-  return table[static_cast<std::size_t>(std::clamp(linear, 0.0F, 1.0F) * steps + 0.5F)];
+  return table[static_cast<std::size_t>(std::lround(std::clamp(linear, 0.0F, 1.0F) * steps))];
 }
 
 void TexelMean::add(const glm::u8vec4& texel, float weight) noexcept {
@@ -52,7 +52,7 @@ void TexelMean::add(const glm::u8vec4& texel, float weight) noexcept {
 glm::u8vec4 TexelMean::value() const noexcept {
   const glm::vec3 light = alpha_ > 0.0F ? light_ / alpha_ : bare_ / weight_;
   return {srgb_of(light.r), srgb_of(light.g), srgb_of(light.b),
-          static_cast<std::uint8_t>(255.0F * (alpha_ / weight_) + 0.5F)};
+          static_cast<std::uint8_t>(std::lround(255.0F * (alpha_ / weight_)))};
 }
 
 namespace {

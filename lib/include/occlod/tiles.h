@@ -81,6 +81,7 @@ struct TilesetCounts {
   std::uint64_t source_texels = 0;    // of the images that are divided among them
   std::uint64_t texture_bytes = 0;    // of the images of all tiles, encoded
   std::uint64_t charts = 0;           // of all tiles: connected parts of their images
+  // That stay one file for all tiles.
   std::vector<SharedImage> images_shared;
   // Of textures: files that are not there, and images in a format that glTF lacks, with all its extensions. Materials
   // are written without them.
