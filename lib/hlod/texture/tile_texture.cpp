@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <span>
 
@@ -37,9 +38,10 @@ void sort_rectangles(void* rectangles, std::size_t count, std::size_t size, int 
 namespace occlod::tiles {
 namespace {
 
-constexpr int max_side = 8192;   // of a tile's image
-constexpr int oversampling = 2;  // sizes of the source between what is read and what is made
-constexpr int most_rounds = 64;  // of filling what the source does not show
+constexpr int max_side = 8192;    // of a tile's image
+constexpr int most_coarser = 32;  // sizes by which an image is made coarser, to be no larger
+constexpr int oversampling = 2;   // sizes of the source between what is read and what is made
+constexpr int most_rounds = 64;   // of filling what the source does not show
 
 int round_up(int value) { return (value + 3) / 4 * 4; }
 
@@ -53,10 +55,12 @@ struct Placed {
 };
 
 void choose_level(Placed& placed, const SourceImage& source, double texel_size, int coarser) {
-  const double ratio = texel_size / placed.chart.texel_size();
-  const double level = ratio > 1.0 ? std::floor(std::log2(ratio) + 0.5) : 0.0;
   const int most = static_cast<int>(source.levels.size()) - 1;
-  placed.level = std::min(static_cast<int>(std::min(level, 64.0)) + coarser, most);
+  placed.level = std::min(coarser, most);
+  // The nearest by ratio: a size is left where the next is nearer to what is asked for.
+  for (double middle = placed.chart.texel_size() * std::numbers::sqrt2; placed.level < most && middle < texel_size;
+       middle *= 2.0)
+    ++placed.level;
   const double scale = std::ldexp(1.0, -placed.level);
   placed.first = placed.chart.first_texel(scale);
   placed.size = glm::ivec2(placed.chart.texel_counts(scale));
@@ -126,7 +130,7 @@ class TileImageMaker {
     for (int coarser = 0;; ++coarser) {
       for (Placed& placed : charts_) choose_level(placed, sources_.image(placed.chart.image), texel_size, coarser);
       size_ = pack(charts_);
-      if (std::max(size_.x, size_.y) <= max_side) break;
+      if (std::max(size_.x, size_.y) <= max_side || coarser == most_coarser) break;
     }
     pixels_.assign(static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y), glm::u8vec4(0));
     state_.assign(pixels_.size(), State::empty);
