@@ -113,14 +113,15 @@ class Run:
                 server.terminate()
 
     def clients(self):
-        say(f"\n{'client':34} {'triangles':>11} {'tiles':>8} {'failed':>7}   means of all cameras, {self.options.error} px")
+        say(f"\n{'client':34} {'triangles':>11} {'tiles':>8} {'texels':>10} {'resident':>10} {'failed':>7}   means of all cameras, {self.options.error} px")
         for program, export in (("cesium", "meshopt"), ("cesium", "earth"), ("three", "plain"), ("three", "meshopt")):
             text = self.client(program, export)
             if not text:
                 continue
             told = json.loads(text.splitlines()[-1])
             self.table["clients"][f"{program}, {export}"] = told
-            say(f"{program + ', ' + export:34} {told['triangles']:11.0f} {told['tiles']:8.1f} {told['failed']:7}")
+            say(f"{program + ', ' + export:34} {told['triangles']:11.0f} {told['tiles']:8.1f} {told['texels']:10.0f} {told['resident_texels']:10.0f} {told['failed']:7}"
+                f"   {told['contents']} contents and {told['images']} images fetched")
 
     def ours(self):
         """The same cameras by bench_hlod_compare, by both kinds of error, as CesiumJS has them."""

@@ -110,6 +110,7 @@ void add_tiles(CLI::App& app) {
   command.callback([options, &command] {
     read_global_options(command,
                         {.json = &options->json, .progress = &options->progress, .threads = &options->build.threads});
+    options->output.tileset.threads = options->build.threads;
     check(*options, command);
     run(*options);
   });

@@ -1,5 +1,7 @@
 #include "tileset_output.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -71,6 +73,9 @@ void add_tileset_output(CLI::App& command, TilesetOutput& output) {
   add_file(command, "--images", output.images,
            "Where image files are: the folder of the scene or mesh [that of the input, from which names lead to them]")
       ->type_name("FOLDER");
+  add_choice(command, "--texture-format", tileset.texture_format,
+             {{"png", std::optional(tiles::TextureFormat::png)}, {"jpeg", std::optional(tiles::TextureFormat::jpeg)}},
+             "Of the images that tiles have of their own [as the input's]");
   command.add_flag("--replace", tileset.replace, "Replace the tileset that FOLDER holds");
   add_number(command, "--tiles-per-file", output.tiles_per_file, WholeRange{1, max_tiles_per_file},
              "The most tiles in a .json file; more go on in others")
@@ -96,6 +101,11 @@ Json write_tileset(const TilesetOutput& output, const hlod::Hlod& hlod, const st
   for (const std::string& image : counts.images_left_out)
     print_note(image + ": no image that glTF has, or not there; left out (--images names the folder that files are " +
                "relative to)");
+  if (const auto& shared = counts.images_shared; !shared.empty())
+    print_note(shared[0].name + " stays one file for all tiles: " + shared[0].reason +
+               (shared.size() > 1 ? fmt::format("; and {} more images do", shared.size() - 1) : ""));
+  Json shared = Json::array();
+  for (const tiles::SharedImage& image : counts.images_shared) shared.push_back(image.name);
   const auto triangles = static_cast<double>(hlod.data().input_triangle_count);
   return {{"folder", output.folder},
           {"up", tileset.up.value_or(hlod.data().up) == UpAxis::y ? "y" : "z"},
@@ -106,7 +116,12 @@ Json write_tileset(const TilesetOutput& output, const hlod::Hlod& hlod, const st
           {"content_bytes", counts.content_bytes},
           {"bytes", counts.bytes},
           {"bytes_per_triangle", static_cast<double>(counts.bytes) / triangles},
-          {"images_left_out", counts.images_left_out}};
+          {"images_left_out", counts.images_left_out},
+          {"images_shared", shared},
+          {"texels", counts.texels},
+          {"source_texels", counts.source_texels},
+          {"texture_bytes", counts.texture_bytes},
+          {"charts", counts.charts}};
 }
 
 }  // namespace occlod::tool

@@ -1,5 +1,7 @@
 #include "mesh/image_files.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -84,6 +86,20 @@ std::optional<std::vector<std::uint8_t>> read_image(const Texture& texture, cons
   std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
   if (stream.bad() || bytes.empty()) return std::nullopt;
   return bytes;
+}
+
+std::optional<std::vector<std::uint8_t>> find_image(const Texture& texture, const fs::path& folder) {
+  Texture wanted = texture;
+  for (;;) {
+    if (auto bytes = read_image(wanted, folder)) return bytes;
+    const std::size_t slash = wanted.file.find_first_of("/\\");
+    if (slash == std::string::npos) return std::nullopt;
+    wanted.file.erase(0, slash + 1);
+  }
+}
+
+std::string name_of_image(std::span<const Texture> textures, TextureId id) {
+  return textures[id].bytes.empty() ? textures[id].file : fmt::format("image {}", id);
 }
 
 std::string image_type(std::span<const std::uint8_t> bytes, const std::string& file) {

@@ -33,6 +33,14 @@ void lead_to_images(std::vector<Texture>& textures, const ImageFolders& folders)
 [[nodiscard]] std::optional<std::vector<std::uint8_t>> read_image(const Texture& texture,
                                                                   const std::filesystem::path& folder);
 
+// The same for a file that is found by its name, or by its name without the first folders: that leads from where the
+// mesh has been written since, while the folder may be that where it was read.
+[[nodiscard]] std::optional<std::vector<std::uint8_t>> find_image(const Texture& texture,
+                                                                  const std::filesystem::path& folder);
+
+// Returns the name of a texture's file, or `image N` of one that the mesh holds.
+[[nodiscard]] std::string name_of_image(std::span<const Texture> textures, TextureId id);
+
 // Returns the MIME type that the first bytes of an image tell, else that of its name's extension: image/png,
 // image/jpeg, image/webp, image/ktx2, image/vnd-ms.dds, image/avif, image/bmp, image/gif or image/x-tga; else
 // application/octet-stream.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import pathlib
 from collections.abc import Callable
+from typing import Literal
 
 from ._occlod import (
     Borders,
@@ -42,15 +43,17 @@ def write_tiles(
     up: UpAxis | None = None,
     origin: tuple[float, float, float] | None = None,
     images: str | os.PathLike[str] | None = None,
+    texture_format: Literal["png", "jpeg"] | None = None,
     replace: bool = False,
     progress: Callable[[float], object] | None = None,
 ) -> TilesetCounts:
     """Writes a mesh, a scene or an HLOD of nested groups as 3D Tiles 1.1: the files that `occlod tiles` writes.
 
-    `node_triangles`, `threads`: as in build_hlod(), for what is no HLOD. `meshopt`: EXT_meshopt_compression, where it is built.
+    `node_triangles`: as in build_hlod(), for what is no HLOD. `threads`: 0: one for each core. `meshopt`: EXT_meshopt_compression, where it is built.
     `quantise_bits`: of a coordinate within its tile, 8 to 16; 0: floats; None: 14 with meshopt, else 0. `skirts` cover gaps
     between levels. `up` overrules the axis of the input. `origin`: longitude and latitude in degrees and metres above the
     ellipsoid of coordinate 0. `images`: the folder that image names lead from; None: that of a path, else the current one.
+    `texture_format`: of the images that tiles have of their own; None: as those of the input.
     `folder` is new or empty, or with `replace` a tileset of occlod. `progress` is called with the share done; what it
     raises, and Ctrl-C, leave the folder as it was. Error for what cannot be read or written.
     """
@@ -79,6 +82,8 @@ def write_tiles(
         up=up,
         origin=origin,
         images=images or "",
+        texture_format=texture_format,
+        threads=threads,
         replace=replace,
         progress=progress and (lambda done: progress(begin + (1.0 - begin) * done)),
     )

@@ -10,8 +10,12 @@ const { browser, page, complaints } = await open(process.argv[2] + "?error=" + o
 const cameras = JSON.parse(readFileSync(option("--cameras"), "utf8")).cameras;
 await page.waitForFunction("window.occlod.tileset", { timeout: 300000 });
 const rows = [];
-let bytes = 0;
-page.on("response", async (response) => { bytes += Number(response.headers()["content-length"] ?? 0) * response.url().includes(".glb"); });
+let bytes = 0, contents = 0, images = 0;
+page.on("response", async (response) => {
+  bytes += Number(response.headers()["content-length"] ?? 0) * response.url().includes(".glb");
+  contents += response.url().includes(".glb");
+  images += /\/tileset\/.*\.(png|jpg)/.test(response.url());
+});
 for (const [index, camera] of cameras.entries()) {
   rows.push(await page.evaluate(async (at) => {
     const { viewer, tileset } = window.occlod;
@@ -36,7 +40,9 @@ for (const [index, camera] of cameras.entries()) {
     viewer.scene.debugCommandFilter = undefined;
     await frame();
     const counts = tileset.statistics;
-    return { triangles: counts.numberOfTrianglesSelected, tiles: counts.selected, ms: performance.now() - begin };
+    const texels = (length) => length / 4;  // it counts no smaller sizes
+    const shown = tileset._selectedTiles.reduce((sum, tile) => sum + tile.content.texturesByteLength, 0);
+    return { texels: texels(shown), resident_texels: texels(counts.texturesByteLength), triangles: counts.numberOfTrianglesSelected, tiles: counts.selected, ms: performance.now() - begin };
   }, camera));
   if (index === Number(option("--frame", "0")) && option("--png", "")) {
     await page.evaluate("document.getElementById('panel').style.display = document.querySelector('.cesium-viewer-bottom').style.display = 'none'");
@@ -46,6 +52,7 @@ for (const [index, camera] of cameras.entries()) {
 const failed = await page.evaluate("window.occlod.failed");
 const loaded = await page.evaluate("window.occlod.tileset.tilesLoaded");
 const mean = (key) => rows.reduce((sum, row) => sum + row[key], 0) / rows.length;
-console.log(JSON.stringify({ client: "cesium", cameras: rows.length, triangles: mean("triangles"), tiles: mean("tiles"), bytes, failed, loaded, complaints, rows }));
+console.log(JSON.stringify({ client: "cesium", cameras: rows.length, triangles: mean("triangles"), tiles: mean("tiles"), texels: mean("texels"), resident_texels: mean("resident_texels"),
+                             bytes, contents, images, failed, loaded, complaints, rows }));
 await browser.close();
 process.exit(failed > 0 || !loaded || complaints.length > 0 ? 1 : 0);

@@ -20,14 +20,19 @@ const server = createServer((request, response) => {
 await new Promise((resolve) => server.on("listening", resolve));
 const { browser, page, complaints } = await open(`http://127.0.0.1:${server.address().port}/three.html?error=${option("--error", "2")}`, width, height);
 await page.waitForFunction("window.occlod && window.occlod.look", { timeout: 60000 });
-const rows = [];
+const rows = [], files = { contents: 0, images: 0 };
+page.on("request", (request) => {
+  files.contents += /\.glb$/.test(request.url());
+  files.images += /\/tileset\/.*\.(png|jpg)$/.test(request.url());
+});
 for (const [index, camera] of JSON.parse(readFileSync(option("--cameras"), "utf8")).cameras.entries()) {
   rows.push(await page.evaluate((at) => window.occlod.look(at), camera));
   if (index === Number(option("--frame", "0")) && option("--png", "")) await page.screenshot({ path: option("--png") });
 }
 const failed = await page.evaluate("window.occlod.failed");
 const mean = (key) => rows.reduce((sum, row) => sum + row[key], 0) / rows.length;
-console.log(JSON.stringify({ client: "3DTilesRendererJS", cameras: rows.length, triangles: mean("triangles"), tiles: mean("tiles"), failed, complaints, rows }));
+console.log(JSON.stringify({ client: "3DTilesRendererJS", cameras: rows.length, triangles: mean("triangles"), tiles: mean("tiles"), pixels: mean("pixels"), texels: mean("texels"),
+                             resident_texels: mean("resident_texels"), ...files, failed, complaints, rows }));
 await browser.close();
 server.close();
 process.exit(failed > 0 || complaints.length > 0 || rows.some((row) => row.triangles === 0) ? 1 : 0);

@@ -5,6 +5,8 @@ import subprocess
 import tempfile
 import unittest
 
+import numpy as np
+
 import occlod
 
 
@@ -42,6 +44,20 @@ class Tiles(unittest.TestCase):
                            origin=(11.5, 48.1, 520), replace=True)
         options = "--node-triangles 64 --quantise 12 --skirts --up y --origin 11.5,48.1,520".split()
         self.assertEqual(files_of(self.folder / "scene"), self.by_the_tool("a.ply", *options))
+
+    def test_images_of_tiles(self):
+        x, y = np.meshgrid(np.arange(64), np.arange(64))
+        occlod.write_png(self.folder / "paper.png", np.stack([4 * x, 4 * y, x * y % 251, 255 + 0 * x], axis=-1).astype(np.uint8))
+        (self.folder / "a.mtl").write_text("newmtl paper\nmap_Kd paper.png\n")
+        (self.folder / "a.obj").write_text("mtllib a.mtl\nusemtl paper\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n")
+        for name in ("png", "jpeg"):
+            counts = occlod.write_tiles(self.folder / "a.obj", self.folder / name, texture_format=name)
+            self.assertEqual((counts.source_texels, counts.charts, counts.images_shared), (64 * 64, 1, []))
+            self.assertEqual(files_of(self.folder / name), self.by_the_tool("a.obj", "--texture-format", name))
+        with self.assertRaisesRegex(occlod.Error, "texture_format"):
+            occlod.write_tiles(self.folder / "a.obj", self.folder / "bad", texture_format="gif")
+        (self.folder / "a.obj").write_text((self.folder / "a.obj").read_text().replace("vt 1 1", "vt 9 9"))
+        self.assertEqual([name for name, _ in occlod.write_tiles(self.folder / "a.obj", self.folder / "shared").images_shared], ["paper.png"])
 
     def test_progress_and_what_it_raises(self):
         mesh = occlod.generate("rough-planet", level=5)

@@ -75,13 +75,18 @@ class Glb:
         self.check_materials()
         named = [name for primitive in primitives for name in (primitive["indices"], *(primitive["attributes"][key] for key in primitive["attributes"].value))]
         require_used(self.accessors, named, once=True)
-        require_used(self.views, (accessor["bufferView"] for accessor in self.accessors), once=True)
+        images = self.gltf["images"].list() if "images" in self.gltf else []
+        views = [owner["bufferView"] for owner in (*self.accessors, *images) if "bufferView" in owner]
+        require_used(self.views, views, once=True)
         require_used(self.materials, (primitive["material"] for primitive in primitives))
 
     def check_materials(self):
         gltf = self.gltf
         images, textures, samplers = (gltf[key].list() if key in gltf else [] for key in ("images", "textures", "samplers"))
         for image in images:
+            if "bufferView" in image:
+                self.check_own_image(image.object(["bufferView", "mimeType"], []))
+                continue
             uri = image.object(["uri"], ["mimeType"])["uri"]
             image.require("mimeType" not in image or image["mimeType"].value in IMAGES, "has a type that needs no extension")
             try:
@@ -97,7 +102,7 @@ class Glb:
             texture.object(["sampler"], ["source", "extensions"])["sampler"].index_in(samplers, "a sampler")
             texture.require(("source" in texture) != ("extensions" in texture), "has no image, or two")
             image = self.source_of(texture).index_in(images, "an image")
-            needed = [IMAGES[image["mimeType"].value]] if "mimeType" in image else []
+            needed = [IMAGES[image["mimeType"].value]] if "mimeType" in image and "uri" in image else []
             texture.require(list(texture["extensions"].value if "extensions" in texture else []) == needed, "has not the extension of its image")
         for material in self.materials:
             self.check_material(material, textures)
@@ -105,6 +110,14 @@ class Glb:
         require_used(samplers, (texture["sampler"] for texture in textures))
         owners = [owner for material in self.materials for owner in (material, material["pbrMetallicRoughness"])]
         require_used(textures, (owner[key]["index"] for owner in owners for key in owner.value if key.endswith("Texture")))
+
+    def check_own_image(self, image):
+        view = image["bufferView"].index_in(self.views, "a buffer view")
+        image.require("target" not in view, "lies in a view of vertices or indices")
+        begin = self.bytes[view["byteOffset"].value:][:8]
+        kinds = {"image/png": b"\x89PNG\r\n\x1a\n", "image/jpeg": b"\xff\xd8"}
+        image["mimeType"].require(image["mimeType"].value in kinds, "is neither PNG nor JPEG")
+        image.require(begin.startswith(kinds[image["mimeType"].value]), "has bytes of another type")
 
     @staticmethod
     def source_of(texture):
@@ -147,8 +160,11 @@ class Glb:
         return first
 
     def check_view(self, view):
-        view.object(["buffer", "byteOffset", "byteLength", "target"], ["byteStride", "extensions"])
         self.check_range(view, 4)
+        if "target" not in view:  # an image
+            view.object(["buffer", "byteOffset", "byteLength"], [])
+            return view["buffer"].require(view["buffer"].value == 0, "has no bytes")
+        view.object(["buffer", "byteOffset", "byteLength", "target"], ["byteStride", "extensions"])
         view["target"].require(view["target"].value in (34962, 34963), "is neither of vertices nor of indices")
         if not self.is_compressed:
             return view["buffer"].require(view["buffer"].value == 0, "has no bytes")

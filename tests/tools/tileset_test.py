@@ -6,6 +6,7 @@ import shutil
 import struct
 import subprocess
 import unittest
+import zlib
 
 import tileset_check
 from tool_case import OCCLOD, TRIANGLES, ToolTest
@@ -168,8 +169,9 @@ class Tileset(ToolTest):
             self.assertEqual(looks[2]["baseColorFactor"], [1, 0, 0, 1])
             self.assertEqual(gltf["images"], [{"uri": "../../textures/0.png"}])
         note = self.run_tool("tiles", "planet.ohlod", "-o", "tiles", "--replace").stderr
-        self.assertEqual(note.count("\n"), 1, note)  # the other is where it was when the .ohlod file was built
+        self.assertEqual(note.count("\n"), 2, note)  # the other is where it was when the .ohlod file was built
         self.assertIn("--images names the folder", note)
+        self.assertIn("a b.png stays one file for all tiles", note)
 
     def test_vertices_that_no_triangle_uses(self):
         """A sheet with islands of texture coordinates: coarse nodes keep vertices for finer ones to slide to, and tiles leave them out."""
@@ -250,6 +252,8 @@ class Tileset(ToolTest):
 class OneCommand(ToolTest):
     """`occlod tiles` of meshes writes the bytes of `occlod tiles` of their HLOD."""
 
+    gltf = Tileset.gltf
+
     def files_of(self, folder):
         return {str(path.relative_to(self.folder / folder)): path.read_bytes() for path in (self.folder / folder).rglob("*") if path.is_file()}
 
@@ -301,6 +305,31 @@ class OneCommand(ToolTest):
         for name in ("source/quad.obj", "source/scene.json", "quad.glb"):
             self.assertEqual(self.assert_as_by_two([name])["images_left_out"], [], name)
             self.assertTrue((self.folder / "one/textures/0.png").exists(), name)
+
+    def test_images_of_tiles(self):
+        """A textured sheet: each tile holds its part of the image, in one file, whatever memory there is and whichever format is asked for."""
+        n, size = 48, 256
+        lines = ["mtllib sheet.mtl", "usemtl paper", *(f"v {x} {y} {2 * math.sin(x / 3) * math.cos(y / 4):.6f}" for y in range(n + 1) for x in range(n + 1))]
+        lines += [f"vt {0.01 + 0.98 * x / n:.6f} {0.01 + 0.98 * y / n:.6f}" for y in range(n + 1) for x in range(n + 1)]
+        lines += ["f " + " ".join(f"{v}/{v}" for v in (c, c + 1, c + n + 2, c + n + 1)) for y in range(n) for x in range(n) for c in [y * (n + 1) + x + 1]]
+        (self.folder / "sheet.obj").write_text("\n".join(lines) + "\n")
+        (self.folder / "sheet.mtl").write_text("newmtl paper\nmap_Kd paper.png\n")
+
+        def chunk(kind, data):
+            return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        rows = b"".join(b"\0" + bytes(x * y % 251 for x in range(size)) for y in range(size))
+        (self.folder / "paper.png").write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", size, size, 8, 0, 0, 0, 0)) +
+                                                chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+        for options in ([], ["--texture-format", "jpeg"], ["--quantise", 14, "--skirts"]):
+            told = self.assert_as_by_two(["sheet.obj"], ["--node-triangles", 256], options)
+            self.assertEqual((told["images_left_out"], told["images_shared"], told["source_texels"]), ([], [], size * size))
+            self.assertFalse((self.folder / "one/textures").exists())
+            contents = [self.gltf(path) for path in (self.folder / "one/tiles").rglob("*.glb")]
+            self.assertEqual({image["mimeType"] for gltf in contents for image in gltf["images"]}, {"image/jpeg" if "jpeg" in options else "image/png"})
+            self.assertEqual([len(gltf["images"]) for gltf in contents], [1] * told["tiles"])
+            self.assertLess(told["texture_bytes"], told["content_bytes"])
+        self.succeed("tiles", "sheet.obj", "-o", "limited", "--node-triangles", 256, *options, "--memory", "64M", "--threads", 1)
+        self.assertEqual(self.files_of("limited"), self.files_of("one"))
 
     def test_folders(self):
         """Refused before anything is read: there is no mesh."""

@@ -131,7 +131,7 @@ std::uint16_t unsigned_short(float x) { return static_cast<std::uint16_t>(std::l
 class TileEncoder {
  public:
   TileEncoder(const TileMesh& tile, const TileLook& look, const TileFormat& format)
-      : mesh_(tile.mesh), look_(look), format_(format), origin_(near_origin(mesh_.positions)) {
+      : mesh_(tile.mesh), image_(tile.image), look_(look), format_(format), origin_(near_origin(mesh_.positions)) {
     if (format.quantise_bits > 0) lattice_.emplace(mesh_.positions, format.quantise_bits);
   }
 
@@ -175,22 +175,40 @@ class TileEncoder {
 
   [[nodiscard]] bool needs_texture_coordinates(const GlbPrimitive& primitive) const {
     if (mesh_.texture_coordinates.empty()) return false;
-    if (look_.materials.empty()) return true;
+    if (look_.materials.empty() || shows_own_image(primitive.material)) return true;
     return std::ranges::any_of(look_.materials[primitive.material].textures(),
                                [this](TextureId id) { return id != no_texture && has_image(id); });
   }
 
+  [[nodiscard]] bool shows_own_image(MaterialId id) const {
+    return !image_.bytes.empty() && image_.is_shown_by[id] != 0;
+  }
   [[nodiscard]] bool has_image(TextureId id) const { return !look_.images[id].empty(); }
 
   std::size_t add_material(MaterialId id) {
     Material material = look_.materials.empty() ? Material() : look_.materials[id];
     change_textures(material, [&](TextureId texture) {
+      if (shows_own_image(id)) return add_own_texture();
       return has_image(texture) && !mesh_.texture_coordinates.empty() ? add_texture(texture) : no_texture;
     });
     document_.add_material(material);
     Json& materials = document_.json()["materials"];
     materials.back()["doubleSided"] = true;
     return materials.size() - 1;
+  }
+
+  // Adds the tile's own image, once.
+  TextureId add_own_texture() {
+    const auto [known, is_new] = textures_.try_emplace(no_texture, static_cast<TextureId>(textures_.size()));
+    if (!is_new) return known->second;
+    const std::string type = image_type(image_.bytes);
+    const std::size_t view = document_.add_view(image_.bytes.size(), 0);
+    buffer_.append(image_.bytes.begin(), image_.bytes.end());
+    buffer_.resize((buffer_.size() + 3) / 4 * 4, '\0');
+    Texture texture;
+    texture.wrap_s = texture.wrap_t = TextureWrap::clamp;
+    document_.add_texture(texture, document_.add_image({{"bufferView", view}, {"mimeType", type}}), type);
+    return known->second;
   }
 
   TextureId add_texture(TextureId id) {
@@ -340,12 +358,13 @@ class TileEncoder {
   }
 
   const TriangleMesh& mesh_;
+  const OwnImage& image_;
   const TileLook& look_;
   const TileFormat& format_;
   const glm::dvec3 origin_;             // of positions as floats
   std::optional<TileLattice> lattice_;  // of positions as integers
   GlbDocument document_;
-  std::map<TextureId, TextureId> textures_;  // from ids of the HLOD to ids of the document
+  std::map<TextureId, TextureId> textures_;  // from ids of the HLOD, no_texture for the tile's own, to the document's
   std::string buffer_;                       // written to the file
   std::uint64_t fallback_bytes_ = 0;         // size of the buffer that decoders fill
   TileContent content_;

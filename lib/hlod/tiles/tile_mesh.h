@@ -56,11 +56,18 @@ class BorderVertices {
   std::vector<BorderVertex> vertices_;  // ordered by position
 };
 
+// An image that a tile holds itself.
+struct OwnImage {
+  std::vector<std::uint8_t> bytes;        // PNG or JPEG; empty: the tile has none
+  std::vector<std::uint8_t> is_shown_by;  // by material: it shows this image, in place of the HLOD's
+};
+
 // Holds the mesh of a tile, with a vertex for each set of attributes. `triangles` are drawn whatever vertices coincide.
 // Object space.
 struct TileMesh {
   TriangleMesh mesh;                // without wedges
   std::size_t skirt_triangles = 0;  // number of skirt triangles, which come last
+  OwnImage image = {};              // as materials of the mesh have it
 };
 
 [[nodiscard]] std::vector<Triangle> triangles_of(const hlod::NodeMesh& mesh);

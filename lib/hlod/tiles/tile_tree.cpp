@@ -28,18 +28,18 @@ void TileTree::complete(TileError error, std::uint32_t tiles_per_file) {
   for (hlod::NodeId n = static_cast<hlod::NodeId>(tiles_.size()); n-- > 0;) {
     bound(n, error);
     const std::span<const hlod::NodeId> children = hlod_.children(n);
-    divide({children.begin(), children.end()}, tiles_per_file, tiles_[n].extent);
+    divide(1 + tiles_[n].coarser.size(), {children.begin(), children.end()}, tiles_per_file, tiles_[n].extent);
   }
   double largest = 0.0;
   for (const hlod::NodeId n : hlod_.data().roots) {
     box_.take(tiles_[n].box);
-    largest = std::max(largest, tiles_[n].error);
+    largest = std::max(largest, tiles_[n].outer_error());
   }
   const double diagonal = glm::length(box_.max - box_.min);
   error_ = std::max(diagonal, above(largest, diagonal));
   std::uint32_t extent = 1;
   const std::span<const hlod::NodeId> roots = hlod_.data().roots;
-  if (roots.size() > 1) divide({roots.begin(), roots.end()}, tiles_per_file, extent);
+  if (roots.size() > 1) divide(1, {roots.begin(), roots.end()}, tiles_per_file, extent);
 }
 
 void TileTree::bound(hlod::NodeId n, TileError error) {
@@ -50,15 +50,20 @@ void TileTree::bound(hlod::NodeId n, TileError error) {
   double childrens = 0.0;
   for (const hlod::NodeId child : hlod_.children(n)) {
     tile.box.take(tiles_[child].box);
-    childrens = std::max(childrens, tiles_[child].error);
+    childrens = std::max(childrens, tiles_[child].outer_error());
   }
-  if (node.children == 0) return;
-  const double own = error == TileError::guaranteed ? node.guaranteed_error : node.error;
-  tile.error = std::max(own, above(childrens, glm::length(tile.box.max - tile.box.min)));
+  const double extent = glm::length(tile.box.max - tile.box.min);
+  if (node.children > 0) {
+    const double own = error == TileError::guaranteed ? node.guaranteed_error : node.error;
+    tile.error = std::max({own, tile.texture_error, above(childrens, extent)});
+  }
+  double finer = tile.error;
+  for (double& coarser : tile.coarser) finer = coarser = std::max(coarser, above(finer, extent));
 }
 
-void TileTree::divide(std::vector<hlod::NodeId> children, std::uint32_t tiles_per_file, std::uint32_t& extent) {
-  std::uint64_t sum = 1;
+void TileTree::divide(std::size_t own_tiles, std::vector<hlod::NodeId> children, std::uint32_t tiles_per_file,
+                      std::uint32_t& extent) {
+  std::uint64_t sum = own_tiles;
   for (const hlod::NodeId child : children) sum += tiles_[child].extent;
   std::stable_sort(children.begin(), children.end(),
                    [&](hlod::NodeId a, hlod::NodeId b) { return tiles_[a].extent > tiles_[b].extent; });
@@ -93,7 +98,7 @@ class JsonWriter {
       if (externals_.empty()) return written;
       const hlod::NodeId n = externals_.back();
       externals_.pop_back();
-      write(tileset_name(n), tree_[n].error, whole(n), std::nullopt, {});
+      write(tileset_name(n), tree_[n].outer_error(), whole(n), std::nullopt, {});
     }
   }
 
@@ -123,10 +128,22 @@ class JsonWriter {
 
   Json whole(hlod::NodeId n) {
     const Tile& tile = tree_[n];
-    Json json = {{"boundingVolume", volume(tile.box)}, {"geometricError", tile.error}};
-    if (!tile.content_box.is_empty())
-      json["content"] = {{"uri", content_name(n)}, {"boundingVolume", volume(tile.content_box)}};
+    Json json = with_content(n, 0, tile.error);
     for (const hlod::NodeId child : tree_.hlod().children(n)) json["children"].push_back(part(child));
+    for (std::size_t i = 0; i < tile.coarser.size(); ++i) {
+      Json coarser = with_content(n, i + 1, tile.coarser[i]);
+      coarser["children"].push_back(std::move(json));
+      json = std::move(coarser);
+    }
+    return json;
+  }
+
+  // Returns one of the tiles of a node, without children.
+  Json with_content(hlod::NodeId n, std::size_t coarser, double error) {
+    const Tile& tile = tree_[n];
+    Json json = {{"boundingVolume", volume(tile.box)}, {"geometricError", error}};
+    if (!tile.content_box.is_empty())
+      json["content"] = {{"uri", content_name(n, coarser)}, {"boundingVolume", volume(tile.content_box)}};
     return json;
   }
 
@@ -134,7 +151,7 @@ class JsonWriter {
     if (!tree_[n].is_external) return whole(n);
     externals_.push_back(n);
     return {{"boundingVolume", volume(tree_[n].box)},
-            {"geometricError", tree_[n].error},
+            {"geometricError", tree_[n].outer_error()},
             {"content", {{"uri", tileset_name(n)}}}};
   }
 
@@ -145,9 +162,10 @@ class JsonWriter {
 
 }  // namespace
 
-std::string content_name(hlod::NodeId n) {
+std::string content_name(hlod::NodeId n, std::size_t coarser) {
   constexpr hlod::NodeId files_in_a_folder = 1000;
-  return fmt::format("tiles/{}/{}.glb", n / files_in_a_folder, n);
+  const std::string name = fmt::format("tiles/{}/{}", n / files_in_a_folder, n);
+  return coarser == 0 ? name + ".glb" : fmt::format("{}-{}.glb", name, coarser);
 }
 
 std::uint64_t write_tileset_json(AtomicFolder& folder, const TileTree& tree, const std::optional<glm::dmat4>& transform,

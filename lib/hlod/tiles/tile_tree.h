@@ -1,6 +1,7 @@
 // Makes the tiles of a tileset, one for each node of an HLOD, with their bounds, and writes them as JSON.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <optional>
@@ -21,11 +22,18 @@ enum class TileError {
 };
 
 struct Tile {
-  double error = 0.0;        // geometricError: 0 at leaves, else more than any child's
-  TileBox box;               // around the content and the children's boxes
+  double error = 0.0;          // geometricError: 0 at leaves, else more than any child's
+  TileBox box;                 // around the content and the children's boxes
+  double texture_error = 0.0;  // size of a texel where it is larger than the source's; counts as an error
+  // Errors of further tiles above this one, ascending: the same triangles with coarser images, where the parent is so
+  // much coarser that this tile's texels would be far smaller than pixels when it comes into sight.
+  std::vector<double> coarser = {};
   TileBox content_box;       // empty: the tile has no content, since everything in it has vanished
   std::uint32_t extent = 1;  // number of tiles from here down in the same file, references to other files included
   bool is_external = false;  // its tileset is a separate file
+
+  // Returns the error of the tile that the parent has as a child.
+  [[nodiscard]] double outer_error() const noexcept { return coarser.empty() ? error : coarser.back(); }
 };
 
 // Holds a tile for each node. Give tiles their boxes first, then call complete() once.
@@ -47,7 +55,8 @@ class TileTree {
 
  private:
   void bound(hlod::NodeId n, TileError error);
-  void divide(std::vector<hlod::NodeId> children, std::uint32_t tiles_per_file, std::uint32_t& extent);
+  void divide(std::size_t own_tiles, std::vector<hlod::NodeId> children, std::uint32_t tiles_per_file,
+              std::uint32_t& extent);
 
   const hlod::Hlod& hlod_;
   std::vector<Tile> tiles_;
@@ -58,8 +67,9 @@ class TileTree {
 // Returns the parent of node n; no_id for a root.
 [[nodiscard]] hlod::NodeId parent_of(const hlod::Hlod& hlod, hlod::NodeId n);
 
-// Returns the name of a tile's content, relative to the tileset's folder.
-[[nodiscard]] std::string content_name(hlod::NodeId n);
+// Returns the name of a tile's content, relative to the tileset's folder; `coarser` is the number of the tile among
+// those of the node, 0 for the finest.
+[[nodiscard]] std::string content_name(hlod::NodeId n, std::size_t coarser = 0);
 
 // Writes tileset.json and the external tilesets. Returns how many files it has written. `transform` applies to the
 // whole tileset. tileset.json lists `images`, the names of all other files in the folder that no tile names, for who

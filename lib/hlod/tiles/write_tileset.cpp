@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <glm/mat4x4.hpp>
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <string>
@@ -20,9 +22,13 @@
 #include "base/file_input.h"
 #include "base/option_checker.h"
 #include "base/strict_json.h"
+#include "base/threads.h"
+#include "hlod/texture/source_textures.h"
+#include "hlod/texture/tile_texture.h"
 #include "hlod/tiles/encode_tile.h"
 #include "hlod/tiles/tile_mesh.h"
 #include "hlod/tiles/tile_tree.h"
+#include "mesh/image_codec.h"
 #include "mesh/image_files.h"
 #include "occlod/base.h"
 #include "occlod/hlod.h"
@@ -35,26 +41,28 @@ constexpr double crease_deg = 60.0;  // for HLODs without normals
 
 namespace fs = std::filesystem;
 
-// Reads an image by its name, or by its name without the first folders: that leads from the file of the HLOD, while the
-// folder may be that of the mesh or scene.
-std::optional<std::vector<std::uint8_t>> find_image(Texture texture, const fs::path& folder) {
-  for (;;) {
-    if (auto bytes = read_image(texture, folder)) return bytes;
-    const std::size_t slash = texture.file.find_first_of("/\\");
-    if (slash == std::string::npos) return std::nullopt;
-    texture.file.erase(0, slash + 1);
+// Returns, by texture, whether a material shows it that shows no image of the tile's own.
+std::vector<std::uint8_t> shared_textures(const hlod::HlodView& hlod, const SourceTextures& sources) {
+  std::vector<std::uint8_t> is_shared(hlod.textures.size(), 0);
+  for (std::size_t m = 0; m < hlod.materials.size(); ++m) {
+    if (sources.image_of(static_cast<MaterialId>(m)) != no_id) continue;
+    for (const TextureId id : hlod.materials[m].textures())
+      if (id != no_texture) is_shared[id] = 1;
   }
+  return is_shared;
 }
 
-// Writes each image once, in the folder textures/, for all contents to share. Leaves out images that are missing or
-// in a format that glTF lacks, whatever their names, and names them in `left_out`. File names are relative to
-// `image_folder`. O(bytes).
-[[nodiscard]] TileLook write_images(AtomicFolder& folder, const hlod::HlodView& hlod, const fs::path& image_folder,
-                                    std::vector<std::string>& left_out) {
+// Writes each image once, in the folder textures/, for all contents to share, but those that are divided among them.
+// Leaves out images that are missing or in a format that glTF lacks, whatever their names, and names them in
+// `left_out`. File names are relative to `image_folder`. O(bytes).
+[[nodiscard]] TileLook write_images(AtomicFolder& folder, const hlod::HlodView& hlod, const SourceTextures& sources,
+                                    const fs::path& image_folder, std::vector<std::string>& left_out) {
   TileLook look{hlod.materials, hlod.textures, {}, hlod.texture_origin};
   std::map<std::string, std::string> written;  // from file names to URIs
+  const std::vector<std::uint8_t> is_shared = shared_textures(hlod, sources);
   for (const Texture& texture : hlod.textures) {
     std::string& uri = look.images.emplace_back();
+    if (is_shared[look.images.size() - 1] == 0) continue;
     const bool is_file = texture.bytes.empty();
     if (const auto known = written.find(texture.file); is_file && known != written.end()) {
       uri = known->second;
@@ -202,6 +210,7 @@ void check_tileset_options(const TilesetOptions& options) {
   const OptionChecker checker("tileset options");
   if (options.quantise_bits && *options.quantise_bits != 0)
     checker.in_range("quantise_bits", *options.quantise_bits, 8, 16);
+  checker.in_range("threads", options.threads, 0, 1024);
   if (options.origin) {
     checker.in_range("longitude_deg", options.origin->longitude_deg, -180.0, 180.0);
     checker.in_range("latitude_deg", options.origin->latitude_deg, -90.0, 90.0);
@@ -214,6 +223,7 @@ void check_tileset_options(const TilesetOptions& options) {
 
 namespace {
 
+constexpr double least_texels = 1024.0;  // of a tile's image, to be worth a tile of its own
 constexpr std::size_t max_levels = 100;  // files may be nested as deeply
 
 void check(const hlod::Hlod& hlod) {
@@ -251,15 +261,25 @@ class TilesetWriter {
     const int usual_bits = options.compression == Compression::none ? 0 : 14;
     format_ = {options.compression, options.quantise_bits.value_or(usual_bits)};
     needs_borders_ = !hlod.data().has_normals || options.skirts;
-    steps_ = hlod.node_count() + (needs_borders_ ? hlod.data().levels[0].node_count : 0);
+    const std::size_t leaves = hlod.data().levels[0].node_count;
+    steps_ = hlod.node_count() + (needs_borders_ ? leaves : 0) + (hlod.data().textures.empty() ? 0 : 2 * leaves);
+    threads_ = thread_count(options.threads);
   }
 
   TilesetCounts run() && {
     if (needs_borders_) borders_ = BorderVertices(hlod_, [this] { step(); });
-    look_ = write_images(folder_, hlod_.data(), options_.image_folder, counts_.images_left_out);
-    for (hlod::NodeId n = 0; n < hlod_.node_count(); ++n) {
-      step();
-      write_tile(n);
+    sources_ = SourceTextures(hlod_, options_.image_folder, threads_, [this] { step(); });
+    count_sources();
+    look_ = write_images(folder_, hlod_.data(), sources_, options_.image_folder, counts_.images_left_out);
+    std::vector<WrittenTile> tiles(std::min<std::size_t>(hlod_.node_count(), std::size_t{8} * threads_));
+    for (std::size_t first = 0; first < hlod_.node_count(); first += tiles.size()) {
+      const std::size_t count = std::min(tiles.size(), hlod_.node_count() - first);
+      for_each_task(count, threads_,
+                    [&](std::size_t i) { tiles[i] = made_tile(static_cast<hlod::NodeId>(first + i)); });
+      for (std::size_t i = 0; i < count; ++i) {
+        step();
+        write(static_cast<hlod::NodeId>(first + i), tiles[i]);
+      }
     }
     tree_.complete(TileError::guaranteed, tiles_per_file_);
     counts_.tileset_files = write_tileset_json(
@@ -284,20 +304,93 @@ class TilesetWriter {
     ++done_;
   }
 
-  void write_tile(hlod::NodeId n) {
-    if (hlod_.node(n).triangles == 0) return;
+  // The tiles of a node, the finest first, with what is counted of them; none where everything has vanished.
+  struct WrittenTile {
+    std::vector<TileContent> contents;
+    std::vector<double> texel_sizes;  // by content, 0 for one that has its source's
+    TilesetCounts counts;
+  };
+
+  void count_sources() {
+    counts_.images_shared = sources_.shared();
+    bool is_jpeg = true;
+    for (const SourceImage& image : sources_.images()) {
+      counts_.source_texels += image.levels[0].pixels.size();
+      is_jpeg = is_jpeg && image.is_jpeg;
+    }
+    texture_format_ = options_.texture_format.value_or(is_jpeg ? TextureFormat::jpeg : TextureFormat::png);
+  }
+
+  // Any number of threads may call this.
+  [[nodiscard]] WrittenTile made_tile(hlod::NodeId n) const {
+    WrittenTile made;
+    if (hlod_.node(n).triangles == 0) return made;
     hlod_.require(n);
     TileMesh tile = tile_mesh(hlod_, n, crease_deg, borders_);
-    if (tile.mesh.triangles.empty()) return;
+    if (tile.mesh.triangles.empty()) return made;
+    const double mean = sources_.images().empty() ? 0.0 : mean_texel_size(tile.mesh, sources_);
+    if (mean == 0.0) {
+      add_content(n, std::move(tile), 0.0, made);
+      return made;
+    }
+    const double texel_size = texel_size_of(hlod_.node(n), mean);
+    add_content(n, tile, texel_size, made);
+    const hlod::NodeId parent = parent_of(hlod_, n);
+    if (parent == no_id) return made;
+    double coarser = 2.0 * std::max(texel_size, mean);
+    double texels = static_cast<double>(made.counts.texels) / 4.0;
+    for (; texels >= least_texels && coarser * std::numbers::sqrt2 < hlod_.node(parent).guaranteed_error;
+         coarser *= 2.0, texels /= 4.0)
+      add_content(n, tile, coarser, made);
+    return made;
+  }
+
+  // Returns the size of texels that a node's error needs, object units. Each level halves the resolution at least, as
+  // geometry does: else flat surfaces, which have no error, would show the whole source again and again.
+  [[nodiscard]] static double texel_size_of(const hlod::Node& node, double mean) {
+    return node.level == 0 ? 0.0 : std::max<double>(node.guaranteed_error, std::ldexp(mean, node.level));
+  }
+
+  // Adds a tile of the node, with texels of that size.
+  void add_content(hlod::NodeId n, TileMesh tile, double texel_size, WrittenTile& made) const {
+    made.texel_sizes.push_back(give_image(tile, texel_size, made.counts));
     const hlod::NodeId parent = parent_of(hlod_, n);
     if (options_.skirts && parent != no_id) add_skirts(tile, hlod_.node(parent).error, borders_);
-    const TileContent content = encode_tile(tile, look_, format_, errors_);
-    folder_.write(content_name(n), content.bytes);
-    tree_[n].content_box = content.box;
-    ++counts_.tiles;
-    counts_.triangles += tile.mesh.triangles.size() - tile.skirt_triangles;
-    counts_.skirt_triangles += tile.skirt_triangles;
-    counts_.content_bytes += content.bytes.size();
+    made.contents.push_back(encode_tile(tile, look_, format_, errors_));
+    made.counts.triangles += tile.mesh.triangles.size() - tile.skirt_triangles;
+    made.counts.skirt_triangles += tile.skirt_triangles;
+  }
+
+  // Gives a tile an image if it shows one that is divided. Returns the size of the largest texel that is larger than
+  // its source's.
+  double give_image(TileMesh& tile, double texel_size, TilesetCounts& counts) const {
+    TileImage image = make_tile_image(tile.mesh, sources_, texel_size);
+    if (image.width == 0) return 0.0;
+    counts.texels += image.pixels.size();
+    counts.charts += image.charts;
+    const bool is_opaque = std::ranges::all_of(image.pixels, [](const glm::u8vec4& p) { return p.a == 255; });
+    const bool is_jpeg = texture_format_ == TextureFormat::jpeg && is_opaque;
+    tile.image.bytes = is_jpeg ? encode_jpeg(image.pixels, image.width) : encode_png(image.pixels, image.width);
+    tile.image.is_shown_by = std::move(image.is_of_tile);
+    counts.texture_bytes += tile.image.bytes.size();
+    return image.texel_size;
+  }
+
+  void write(hlod::NodeId n, const WrittenTile& made) {
+    if (made.contents.empty()) return;
+    for (std::size_t i = 0; i < made.contents.size(); ++i) {
+      folder_.write(content_name(n, i), made.contents[i].bytes);
+      counts_.content_bytes += made.contents[i].bytes.size();
+    }
+    tree_[n].content_box = made.contents[0].box;
+    tree_[n].texture_error = made.texel_sizes[0];
+    tree_[n].coarser.assign(made.texel_sizes.begin() + 1, made.texel_sizes.end());
+    counts_.tiles += made.contents.size();
+    counts_.triangles += made.counts.triangles;
+    counts_.skirt_triangles += made.counts.skirt_triangles;
+    counts_.texels += made.counts.texels;
+    counts_.texture_bytes += made.counts.texture_bytes;
+    counts_.charts += made.counts.charts;
   }
 
   FileErrors errors_;
@@ -309,6 +402,9 @@ class TilesetWriter {
   TileFormat format_;
   bool needs_borders_ = false;
   BorderVertices borders_;
+  SourceTextures sources_;
+  TextureFormat texture_format_ = TextureFormat::png;
+  unsigned threads_ = 1;
   TileLook look_;
   TileTree tree_;
   TilesetCounts counts_;

@@ -24,6 +24,12 @@ enum class Compression {
   meshopt,  // EXT_meshopt_compression; needs a build with meshoptimizer
 };
 
+// How the images of tiles are encoded.
+enum class TextureFormat {
+  png,   // without loss
+  jpeg,  // at quality 90; PNG where something is transparent
+};
+
 // A place on or above the WGS84 ellipsoid.
 struct GeodeticOrigin {
   double longitude_deg = 0.0;  // in [-180, 180], east of Greenwich
@@ -47,10 +53,20 @@ struct TilesetOptions {
   // Where image files are: names are relative to it, with or without their first folders. That of the .ohlod file, as
   // write_ohlod() wrote their names, or that of the scene or mesh.
   std::filesystem::path image_folder;
+  // Of the images that tiles have of their own; nothing: JPEG where all images that are divided among them are, else
+  // PNG.
+  std::optional<TextureFormat> texture_format;
+  int threads = 0;       // in [0, 1024]; 0: one for each core. The result does not depend on it
   bool replace = false;  // a tileset in the folder, if nothing else is there
   // Called now and then with the share done, in [0, 1]. What it throws ends the writing, and leaves the folder as it
   // was.
   std::function<void(double)> progress = {};
+};
+
+// An image that stays one file for all tiles.
+struct SharedImage {
+  std::string name;    // of its file, or `image N` of an embedded one
+  std::string reason;  // why it is not divided among tiles
 };
 
 // What was written.
@@ -61,6 +77,12 @@ struct TilesetCounts {
   std::uint64_t skirt_triangles = 0;  // of all contents
   std::uint64_t content_bytes = 0;    // of all contents
   std::uint64_t bytes = 0;            // of all files
+  std::uint64_t texels = 0;           // of the images of all tiles
+  std::uint64_t source_texels = 0;    // of the images that are divided among them
+  std::uint64_t texture_bytes = 0;    // of the images of all tiles, encoded
+  std::uint64_t charts = 0;           // of all tiles: connected parts of their images
+  // That stay one file for all tiles.
+  std::vector<SharedImage> images_shared;
   // Of textures: files that are not there, and images in a format that glTF lacks, with all its extensions. Materials
   // are written without them.
   std::vector<std::string> images_left_out;

@@ -1,0 +1,97 @@
+// The images of an HLOD, for tiles that get images of their own: which of them are divided among tiles, and their
+// texels at every size.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
+#include <string>
+#include <vector>
+
+#include "base/memory.h"
+#include "hlod/texture/charts.h"
+#include "occlod/base.h"
+#include "occlod/hlod.h"
+#include "occlod/mesh.h"
+#include "occlod/tiles.h"
+
+namespace occlod::tiles {
+
+// Texels around each chart of a tile: bilinear filtering needs one, the next smaller size of the image another.
+inline constexpr int gutter = 2;
+
+// An image at one size. Texel (x, y) of size k stands for those of size k - 1 from (2 x, 2 y) on.
+struct ImageLevel {
+  int width = 0, height = 0;
+  UninitializedVector<glm::u8vec4> pixels;     // sRGB and alpha, rows from the top
+  UninitializedVector<std::uint8_t> coverage;  // how much of it lies in triangles of level 0, of 255; 0: nothing
+
+  [[nodiscard]] std::size_t at(std::int64_t x, std::int64_t y) const noexcept {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+  }
+};
+
+// One image that is divided among tiles.
+struct SourceImage {
+  TextureWrap wrap_s = TextureWrap::repeat, wrap_t = TextureWrap::repeat;
+  bool is_jpeg = false;
+  std::vector<ImageLevel> levels;  // down to one texel
+
+  // Returns the place in pixels of texel (x, y) of a size, however far outside of the image it is.
+  [[nodiscard]] std::size_t at(const ImageLevel& level, std::int64_t x, std::int64_t y) const noexcept;
+};
+
+// Decodes each image once. Pixels lie in large memory (base/memory.h), 7 bytes for each of the finest.
+class SourceTextures {
+ public:
+  // Divides no image.
+  SourceTextures() = default;
+  // Finds the images that can be divided, from what all nodes of level 0 show of them, and reads them from
+  // `image_folder`. Images stay shared where all charts together would take more than twice their texels (bricks that
+  // many walls show) and where materials have further maps. Calls `next` before each node of level 0, twice. Throws
+  // Error for damaged files. O(texels + n log n).
+  SourceTextures(const hlod::Hlod& hlod, const std::filesystem::path& image_folder, unsigned threads,
+                 const std::function<void()>& next);
+
+  // Returns the number of the image that a material shows, divided among tiles; no_id for any other.
+  [[nodiscard]] std::uint32_t image_of(MaterialId material) const noexcept {
+    return material < image_of_.size() ? image_of_[material] : no_id;
+  }
+  [[nodiscard]] const SourceImage& image(std::uint32_t number) const noexcept { return images_[number]; }
+  [[nodiscard]] const std::vector<SourceImage>& images() const noexcept { return images_; }
+  [[nodiscard]] const std::vector<SharedImage>& shared() const noexcept { return shared_; }
+
+  // Returns the place of texture coordinates in an image, texels from its top left corner.
+  [[nodiscard]] glm::dvec2 texels(std::uint32_t image, const glm::vec2& coordinates) const noexcept;
+  // Returns the texture coordinates of a place in [0, 1] from the top left corner of a tile's image.
+  [[nodiscard]] glm::vec2 coordinates(const glm::dvec2& place) const noexcept;
+
+ private:
+  class Planner;
+
+  TextureOrigin origin_ = TextureOrigin::top_left;
+  std::vector<std::uint32_t> image_of_;  // by material
+  std::vector<SourceImage> images_;
+  std::vector<SharedImage> shared_;
+};
+
+// Returns linear light of an sRGB value, and the reverse.
+[[nodiscard]] float linear_of(std::uint8_t srgb) noexcept;
+[[nodiscard]] std::uint8_t srgb_of(float linear) noexcept;
+
+// The mean of texels by weight, in linear light, where transparent ones count by their alpha.
+class TexelMean {
+ public:
+  void add(const glm::u8vec4& texel, float weight) noexcept;
+  [[nodiscard]] bool is_empty() const noexcept { return !(weight_ > 0.0F); }
+  // Precondition: !is_empty().
+  [[nodiscard]] glm::u8vec4 value() const noexcept;
+
+ private:
+  glm::vec3 light_{0.0F}, bare_{0.0F};  // sums by weight and alpha; by weight alone, for what is all transparent
+  float alpha_ = 0.0F, weight_ = 0.0F;
+};
+
+}  // namespace occlod::tiles

@@ -1,0 +1,32 @@
+// Makes the image of a tile: the charts that its triangles show, packed anew, at the resolution that its error needs.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hlod/texture/source_textures.h"
+#include "occlod/mesh.h"
+#include "occlod/tiles.h"
+
+namespace occlod::tiles {
+
+struct TileImage {
+  int width = 0, height = 0;             // multiples of 4; 0: the tile shows no divided image
+  std::vector<glm::u8vec4> pixels;       // sRGB and alpha, rows from the top
+  std::vector<std::uint8_t> is_of_tile;  // by material: it shows this image, in place of its own
+  double texel_size = 0.0;               // object units, of the largest that is larger than its source's; 0: none
+  std::uint64_t charts = 0;
+};
+
+// Returns the mean size of a texel that the mesh shows of divided images, object units; 0 for none. O(n).
+[[nodiscard]] double mean_texel_size(const TriangleMesh& mesh, const SourceTextures& sources);
+
+// Packs what the mesh, which has no extra wedges, shows of divided images into one image, and makes its texture
+// coordinates lead there. Texels have about `texel_size` object units, but are never finer than their source's; those
+// of whole size are copied, and show what their source shows at every place of every triangle. Smaller ones are means
+// over an area, in linear light, of what their chart alone shows; what no triangle shows is filled with what is near.
+// The same arguments give the same pixels. O(n log n + texels).
+[[nodiscard]] TileImage make_tile_image(TriangleMesh& mesh, const SourceTextures& sources, double texel_size);
+
+}  // namespace occlod::tiles
