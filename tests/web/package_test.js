@@ -7,7 +7,7 @@ import test, { before } from "node:test";
 import { Worker } from "node:worker_threads";
 
 import { Hierarchy, Mesh, OcclodError, Refiner, memoryBytes, ready, version } from "occlod";
-import { around, folder, median, realMesh, run, updates } from "./native.mjs";
+import { around, folder, median, realMesh, run, updates } from "./native.js";
 
 const planet = path.join(folder, "planet.ply");
 const bytes = () => fs.readFileSync(planet);
