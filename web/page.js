@@ -84,8 +84,8 @@ function show({ stats, seen, hash }) {
   const { triangles, queries, queriesHidden } = stats;
   const lines = [
     `${mesh.name}: ${mesh.triangleCount.toLocaleString("en")} triangles`,
-    `drawn ${triangles.toLocaleString("en")}, within ${stats.maxQuadricErrorPx.toFixed(2)} pixels`,
-    `${(stats.refineMs + stats.occlusionMs).toFixed(1)} ms; ${queriesHidden} of ${queries} questions: hidden`,
+    `drawn ${triangles.toLocaleString("en")}, error left ${stats.maxQuadricErrorPx.toFixed(2)} px`,
+    `${(stats.refineMs + stats.occlusionMs).toFixed(1)} ms; ${queriesHidden} of ${queries} queries hidden`,
     `hash ${hash}`,
   ];
   tell(lines.join("\n"));

@@ -31,7 +31,7 @@ export function around(hierarchy, count) {
   });
 }
 
-export const median = (values) => values.toSorted((a, b) => a - b)[values.length >> 1];
+export const median = (values) => [...values].sort((a, b) => a - b)[values.length >> 1];
 
 // A real mesh of `name` in the folders of OCCLOD_MESHES, copied beside the scene; nothing where there is none.
 export function realMesh(name) {

@@ -92,6 +92,7 @@ test("a scan that is dropped is built with progress and refined in every frame a
   const native = updates(file, frames.map(({ camera }) => camera), budget, true);
   assert.deepEqual(frames.map(({ hash }) => hash), native.map(({ hash }) => hash));
   assert.ok((await isDrawn("page.png")) > 0.05);
+  assert.equal(await page.$eval("#invitation", (shown) => getComputedStyle(shown).display), "none");
 });
 
 test("the colours by visibility, freezing, occlusion and the budget do what they say", async () => {

@@ -81,21 +81,24 @@ const Bytes* bytes_of(std::span<const Element> elements) {
   return &result;
 }
 
-// Meshes are read from and written to this folder in memory, which is empty between calls.
+// Meshes are read from and written to a folder in memory, which is empty between calls.
 const std::filesystem::path& folder() {
   static const std::filesystem::path path = "/occlod";
   std::filesystem::create_directory(path);
   return path;
 }
 
-struct EmptiesFolder {
-  EmptiesFolder() = default;
-  ~EmptiesFolder() {
+// While it lives, the folder is the current one, so that errors name files as they were given. Then it is emptied.
+class InFolder {
+ public:
+  InFolder() { std::filesystem::current_path(folder()); }
+  ~InFolder() {
     std::error_code ignored;
+    std::filesystem::current_path("/", ignored);
     std::filesystem::remove_all(folder(), ignored);
   }
-  EmptiesFolder(const EmptiesFolder&) = delete;
-  EmptiesFolder& operator=(const EmptiesFolder&) = delete;
+  InFolder(const InFolder&) = delete;
+  InFolder& operator=(const InFolder&) = delete;
 };
 
 const Bytes* content_of(const std::filesystem::path& file) {
@@ -108,7 +111,7 @@ const Bytes* content_of(const std::filesystem::path& file) {
 // Files beside the mesh are gone after the call, so the mesh takes the images.
 void embed_images(TriangleMesh& mesh) {
   for (Texture& texture : mesh.textures) {
-    auto image = texture.bytes.empty() ? read_image(texture, folder()) : std::nullopt;
+    auto image = texture.bytes.empty() ? read_image(texture, ".") : std::nullopt;
     if (!image) continue;
     texture.mime_type = image_type(*image, texture.file);
     texture.bytes = *std::move(image);
@@ -174,11 +177,11 @@ EMSCRIPTEN_KEEPALIVE bool occlod_add_file(const char* name, const char* bytes, s
 // Reads a mesh from a file that has been added, and forgets all that have been.
 EMSCRIPTEN_KEEPALIVE CleanMesh* occlod_read_mesh(const char* name) {
   return guarded([&] {
-    const EmptiesFolder after;
+    const InFolder inside;
     const auto progress = [&](double done) {
       if (!report_progress(done)) throw Error({name, "", "reading was cancelled", ""});
     };
-    auto mesh = std::make_unique<CleanMesh>(read_mesh(folder() / name, progress, 1));
+    auto mesh = std::make_unique<CleanMesh>(read_mesh(name, progress, 1));
     embed_images(mesh->mesh);
     return mesh.release();
   });
@@ -209,9 +212,9 @@ EMSCRIPTEN_KEEPALIVE const Bytes* occlod_mesh_triangles(const CleanMesh* mesh) {
 // The extension of the name decides the format.
 EMSCRIPTEN_KEEPALIVE const Bytes* occlod_write_mesh(const CleanMesh* mesh, const char* name) {
   return guarded([&] {
-    const EmptiesFolder after;
-    write_mesh(folder() / name, mesh->mesh);
-    return content_of(folder() / name);
+    const InFolder inside;
+    write_mesh(name, mesh->mesh);
+    return content_of(name);
   });
 }
 
@@ -238,8 +241,8 @@ EMSCRIPTEN_KEEPALIVE StoredHierarchy* occlod_build(const CleanMesh* mesh) {
 // Reads an .olod file that has been added, and forgets all that have been.
 EMSCRIPTEN_KEEPALIVE StoredHierarchy* occlod_read_hierarchy(const char* name) {
   return guarded([&] {
-    const EmptiesFolder after;
-    OlodFile file = read_olod(folder() / name, OlodAccess::copied);
+    const InFolder inside;
+    OlodFile file = read_olod(name, OlodAccess::copied);
     file.hierarchy.require_all();
     return new StoredHierarchy{std::move(file.hierarchy), std::move(file.report)};
   });
@@ -249,8 +252,8 @@ EMSCRIPTEN_KEEPALIVE void occlod_free_hierarchy(StoredHierarchy* hierarchy) { de
 
 EMSCRIPTEN_KEEPALIVE const Bytes* occlod_write_hierarchy(const StoredHierarchy* stored, bool compressed) {
   return guarded([&] {
-    const EmptiesFolder after;
-    const std::filesystem::path file = folder() / "hierarchy.olod";
+    const InFolder inside;
+    const std::filesystem::path file = "hierarchy.olod";
     write_olod(file, stored->hierarchy, stored->report, compressed ? OlodCompression::zstd : OlodCompression::none);
     return content_of(file);
   });
