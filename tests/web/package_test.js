@@ -5,6 +5,7 @@ import fs from "node:fs";
 import path from "node:path";
 import test, { before } from "node:test";
 import { Worker } from "node:worker_threads";
+import zlib from "node:zlib";
 
 import { Hierarchy, Mesh, OcclodError, Refiner, memoryBytes, ready, version } from "occlod";
 import { around, folder, median, realMesh, run, updates } from "./native.js";
@@ -39,12 +40,17 @@ for (const occlusion of [true, false])
 test("update() of a scan takes at most 3 times native's time", (context) => {
   const scan = realMesh("scans/dragon_vrip_res2.ply");
   if (!scan) return context.skip("OCCLOD_MESHES has no scans/dragon_vrip_res2.ply");
-  const web = hashesAlong(scan, (h) => around(h, 100), 10000, true);
-  const native = updates(scan, web.cameras, 10000, true);
-  assert.deepEqual(web.frames.map((f) => f.hash), native.map((f) => f.hash));
-  const ms = [median(web.frames.slice(1).map((f) => f.ms)), median(native.slice(1).map((f) => f.refine_ms + f.occlusion_ms))];
-  const ratio = ms[0] / ms[1];
-  context.diagnostic(`median of 99 updates to 10,000 triangles: ${ms[0].toFixed(2)} ms, native ${ms[1].toFixed(2)} ms: ${ratio.toFixed(2)} times`);
+  // By turns, and the best of each: other programs disturb both.
+  const best = [Infinity, Infinity];
+  for (let round = 0; round < 3; ++round) {
+    const web = hashesAlong(scan, (h) => around(h, 100), 10000, true);
+    const native = updates(scan, web.cameras, 10000, true);
+    assert.deepEqual(web.frames.map((f) => f.hash), native.map((f) => f.hash));
+    best[0] = Math.min(best[0], median(web.frames.slice(1).map((f) => f.ms)));
+    best[1] = Math.min(best[1], median(native.slice(1).map((f) => f.refine_ms + f.occlusion_ms)));
+  }
+  const ratio = best[0] / best[1];
+  context.diagnostic(`median of 99 updates to 10,000 triangles: ${best[0].toFixed(2)} ms, native ${best[1].toFixed(2)} ms: ${ratio.toFixed(2)} times`);
   assert.ok(ratio <= 3, `${ratio} times native's`);
 });
 
@@ -170,7 +176,7 @@ test("npx occlod simplifies as native does", () => {
   assert.equal(millimetres.status, 0, millimetres.stderr);
   const wrong = command("simplify", "missing.ply", "-o", web, "--ratio", "0.1");
   assert.equal(wrong.status, 1);
-  assert.match(wrong.stderr, /^occlod: missing\.ply: .*; .*\n$/);
+  assert.match(wrong.stderr, /^occlod: error: missing\.ply: .*; .*\n$/);
   assert.equal(command("--version").stdout.trim(), version());
 });
 
@@ -178,8 +184,11 @@ test("TypeScript's compiler accepts the examples", () => {
   execFileSync("node_modules/.bin/tsc", ["--noEmit", "--strict", "--target", "es2022", "--module", "nodenext", "--lib", "es2023,dom", "example.ts"], { stdio: "pipe", encoding: "utf8" });
 });
 
-test("the package is small", (context) => {
-  const size = fs.statSync(process.env.OCCLOD_PACKAGE).size;
-  context.diagnostic(`${size} bytes`);
-  assert.ok(size <= Number(process.env.OCCLOD_MOST_BYTES), `${size} bytes`);
+test("a page loads at most 600 kB", (context) => {
+  const folder = "node_modules/occlod";
+  const files = ["index.js", "wasm/library.js", "wasm/library.wasm"];
+  const bytes = files.map((file) => zlib.gzipSync(fs.readFileSync(path.join(folder, file)), { level: 9 }).length);
+  const sum = bytes.reduce((a, b) => a + b);
+  context.diagnostic(`${sum} bytes, compressed; the package with the command line ${fs.statSync(process.env.OCCLOD_PACKAGE).size}`);
+  assert.ok(sum <= 600000, `${sum} bytes`);
 });

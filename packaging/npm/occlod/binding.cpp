@@ -2,6 +2,7 @@
 // A call that fails returns 0, and occlod_failure() its message; numbers of cameras and options pass through
 // occlod_numbers(). Arrays that a call returns stay as they are until the next call.
 #include <emscripten.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -10,7 +11,6 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
-#include <fmt/format.h>
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -58,8 +58,8 @@ struct RefinerState {
 std::string failure, text;
 std::array<double, 40> numbers;
 Bytes result;
-std::vector<std::uint8_t> kept;   // what `result` may point to
-ItemBuffer items;                 // of occlod_seen()
+std::vector<std::uint8_t> kept;  // what `result` may point to
+ItemBuffer items;                // of occlod_seen()
 
 // Returns call(), or nothing after an exception, which becomes `failure`.
 template <typename Call>
@@ -274,8 +274,18 @@ EMSCRIPTEN_KEEPALIVE void occlod_hierarchy_facts(const StoredHierarchy* stored) 
   const Hierarchy& h = stored->hierarchy;
   const glm::vec3 &low = h.box().min, &high = h.box().max;
   const glm::dvec3& origin = h.data().origin;
-  numbers = {static_cast<double>(h.input_triangle_count()), static_cast<double>(h.base_triangle_count()),
-             h.error_bound(), low.x, low.y, low.z, high.x, high.y, high.z, origin.x, origin.y, origin.z,
+  numbers = {static_cast<double>(h.input_triangle_count()),
+             static_cast<double>(h.base_triangle_count()),
+             h.error_bound(),
+             low.x,
+             low.y,
+             low.z,
+             high.x,
+             high.y,
+             high.z,
+             origin.x,
+             origin.y,
+             origin.z,
              h.data().up == UpAxis::y ? 1.0 : 0.0};
 }
 
@@ -351,9 +361,15 @@ EMSCRIPTEN_KEEPALIVE bool occlod_refine(RefinerState* state, bool going_on, bool
     Refiner& refiner = *state->refiner;
     state->last = going_on ? &refiner.update(view, options, visibility) : &refiner.refine(view, options, visibility);
     const RefineStats& s = state->last->stats;
-    numbers = {static_cast<double>(s.triangles), static_cast<double>(s.changed_triangles),
-               static_cast<double>(s.queries), static_cast<double>(s.queries_hidden), s.max_error_px,
-               s.max_quadric_error_px, s.level_px, s.refine_ms, s.occlusion_ms};
+    numbers = {static_cast<double>(s.triangles),
+               static_cast<double>(s.changed_triangles),
+               static_cast<double>(s.queries),
+               static_cast<double>(s.queries_hidden),
+               s.max_error_px,
+               s.max_quadric_error_px,
+               s.level_px,
+               s.refine_ms,
+               s.occlusion_ms};
     return true;
   });
 }
