@@ -24,20 +24,12 @@ command -v apt-get >/dev/null && [ "$(dpkg --print-architecture)" = amd64 ] || s
 command -v node >/dev/null || skip "Node is missing"
 scripts/setup.sh scripts/packages_web.txt || skip "the packages of scripts/packages_web.txt cannot be installed"
 
-# apt with lists of its own, so that the system's packages stay those of its release.
-rm -rf "$root" "$work/apt"
-mkdir -p "$root" "$work/apt/lists/partial" "$work/apt/archives/partial"
-keys=/usr/share/keyrings/debian-archive-keyring.gpg
-[ -e "$keys" ] || skip "Debian's keys (debian-archive-keyring) are missing"
-echo "deb [signed-by=$keys] http://deb.debian.org/debian trixie main" >"$work/apt/sources.list"
-apt_13() {
-  apt-get -q -o "Dir::Etc::sourcelist=$work/apt/sources.list" -o Dir::Etc::sourceparts=- -o "Dir::State=$work/apt" \
-    -o "Dir::Cache=$work/apt" -o Dir::State::status=/dev/null -o APT::Sandbox::User= "$@"
-}
-(cd "$work/apt" && apt_13 update && apt_13 download emscripten binaryen node-acorn libc6 libstdc++6 libgcc-s1) >"$work/log" 2>&1 ||
+rm -rf "$work"
+mkdir -p "$root" "$work/packages"
+(cd "$work/packages" && "$OLDPWD/scripts/debian_apt.sh" trixie download emscripten binaryen node-acorn libc6 libstdc++6 libgcc-s1) >"$work/log" ||
   skip "Debian 13's packages cannot be had: see $work/log"
-for package in "$work"/apt/*.deb; do dpkg-deb -x "$package" "$root"; done
-rm -r "$work/apt"
+for package in "$work"/packages/*.deb; do dpkg-deb -x "$package" "$root"; done
+rm -r "$work/packages" "$tools"/cache/sysroot/lib/wasm32-emscripten/{lto,lto-pic,pic}  # three quarters of it
 
 # Binaryen's programs run with the C library for which they were compiled.
 libraries=$root/usr/lib/x86_64-linux-gnu
