@@ -18,7 +18,9 @@ occlod_known_flags(OCCLOD_ARITHMETIC_FLAGS -ffp-contract=off -fno-math-errno -fn
 
 # Nobody replaces a function of the library by one of the same name, so GCC may inline them in code for shared libraries
 # too, as Clang does anyway.
-occlod_known_flags(OCCLOD_LIBRARY_FLAGS -fno-semantic-interposition)
+if(NOT EMSCRIPTEN)  # which has no shared ones, and warns
+  occlod_known_flags(OCCLOD_LIBRARY_FLAGS -fno-semantic-interposition)
+endif()
 
 # Our own code compiles without a warning. Never passed on to consumers.
 occlod_known_flags(occlod_warning_flags
@@ -26,6 +28,10 @@ occlod_known_flags(occlod_warning_flags
 # GCC 12 warns falsely about "a" + std::string (bug 105651).
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   list(APPEND occlod_warning_flags -Wno-restrict)
+endif()
+# Where sizes have 32 bits, every file is refused whose size has more, and with it all counts in it.
+if(CMAKE_SIZEOF_VOID_P EQUAL 4)
+  list(APPEND occlod_warning_flags -Wno-shorten-64-to-32 -Wno-sign-conversion)
 endif()
 if(OCCLOD_WARNINGS_AS_ERRORS)
   list(APPEND occlod_warning_flags -Werror)

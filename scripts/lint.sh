@@ -31,8 +31,8 @@ sources() {
   if [ "$only_changed" = 1 ]; then
     scripts/changed.sh
   else
-    find bench examples lib python tests tools viewer -type f
-  fi | grep -E '^(bench|examples|lib|python|tests|tools|viewer)/.*\.(cpp|h)$' | LC_ALL=C sort || true
+    find bench examples lib packaging python tests tools viewer -type f
+  fi | grep -E '^(bench|examples|lib|packaging|python|tests|tools|viewer)/.*\.(cpp|h)$' | LC_ALL=C sort || true
 }
 mapfile -t sources < <(sources)
 

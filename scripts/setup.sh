@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
-# Installs the packages of scripts/packages.txt that are missing. Does nothing, and needs no rights, when all are there.
+# setup.sh [LIST]: installs the packages of scripts/packages.txt, or of another list, that are missing. Does nothing, and
+# needs no rights, when all are there.
 # OCCLOD_SKIP_SETUP=1 skips it, for systems whose dependencies come from elsewhere.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 [ "${OCCLOD_SKIP_SETUP:-0}" = 1 ] && exit 0
 
-packages() { sed -e 's/#.*//' -e '/^[[:space:]]*$/d' scripts/packages.txt; }
+list=${1:-scripts/packages.txt}
+packages() { sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$list"; }
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   {

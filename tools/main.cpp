@@ -82,7 +82,7 @@ int wrong_use(const CLI::App& app, const CLI::ParseError& error) {
   return exit_wrong_use;
 }
 
-#ifndef OCCLOD_HAS_CGAL
+#if !defined(OCCLOD_HAS_CGAL) && !defined(OCCLOD_MESHES_ONLY)
 // Adds a command that only explains why it is missing.
 void add_without_cgal(CLI::App& app, const std::string& name) {
   CLI::App& command = *app.add_subcommand(name, "Left out: this program was built without CGAL");
@@ -120,9 +120,12 @@ int run(int argc, char** argv) {
   add_build(app);
   add_info(app);
   add_validate(app);
+#ifndef OCCLOD_MESHES_ONLY
   add_render(app);
+#endif
   add_simplify(app);
   add_cut(app);
+#ifndef OCCLOD_MESHES_ONLY
   add_hlod(app);
   add_tiles(app);
 #ifdef OCCLOD_HAS_SERVER
@@ -137,10 +140,11 @@ int run(int argc, char** argv) {
   add_without_cgal(app, "repair");
 #endif
   add_pages(app);
+#endif
   app.footer(  // must follow the commands, which would inherit it
       "For example:\n"
       "  occlod build statue.ply -o statue.olod\n"
-      "  occlod render statue.olod --budget 10000 --png statue.png");
+      "  occlod simplify statue.ply -o small.glb --ratio 10%");
   try {
     const int exit_code = parse_and_run(app, argc, argv);
     flush_standard_output();

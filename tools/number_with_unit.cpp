@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <string_view>
 #include <system_error>
 
+#include "base/text.h"
 #include "occlod/base.h"
 #include "option_values.h"
 
@@ -18,7 +18,7 @@ std::optional<double> number_before(const std::string& text, std::string_view su
   if (!text.ends_with(suffix)) return std::nullopt;
   const char* const end = text.data() + text.size() - suffix.size();
   double value = 0.0;
-  const auto [stop, problem] = std::from_chars(text.data(), end, value);
+  const auto [stop, problem] = parse_double(text.data(), end, value);
   if (problem != std::errc() || stop != end || !std::isfinite(value) || std::signbit(value)) return std::nullopt;
   return value;
 }

@@ -91,6 +91,8 @@ InputBytes::InputBytes(const fs::path& path, const FileErrors& errors, std::func
   stream_.open(path, std::ios::binary);
   if (error || !stream_) errors.fail("", "cannot be opened", "check its permissions");
   if (size_ == 0) errors.fail("", "is empty", "export the mesh again");
+  if (!std::in_range<std::size_t>(size_))
+    errors.fail("", "is larger than 4 GiB, which a program of 32 bits cannot address", "read it with one of 64 bits");
 }
 
 std::string_view InputBytes::window(std::size_t least) {

@@ -30,6 +30,7 @@ std::size_t size_of_file(int descriptor) {
   struct stat status {};
   if (fstat(descriptor, &status) != 0) fail(errno);
   if (!S_ISREG(status.st_mode)) fail(S_ISDIR(status.st_mode) ? EISDIR : EINVAL);
+  if (!std::in_range<std::size_t>(status.st_size)) fail(EFBIG);
   return static_cast<std::size_t>(status.st_size);
 }
 

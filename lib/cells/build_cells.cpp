@@ -87,7 +87,11 @@ using vlod::max_ids_per_byte;
                            std::uint64_t faces) -> std::optional<Additions> {
     problem = "claims more than it can hold";
     if (std::max({splits, candidates, faces}) > bytes.size() * max_ids_per_byte) return {};
-    return decode(bytes, Expected{ids.split_count(), ids.owner_count(), splits, candidates, faces}, {}, problem);
+    Expected expected{.split_count = ids.split_count(), .owner_count = ids.owner_count()};
+    expected.splits = static_cast<std::size_t>(splits);
+    expected.candidates = static_cast<std::size_t>(candidates);
+    expected.hidden = static_cast<std::size_t>(faces);
+    return decode(bytes, expected, {}, problem);
   };
   auto first = decoded(shared, counts.splits, counts.candidates, counts.hidden);
   if (!first) return {};

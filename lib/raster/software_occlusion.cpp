@@ -223,7 +223,7 @@ class DepthOcclusion final : public SoftwareOcclusion {
       find_pixels(bounds_views_[object], points.subspan(first, count), pixels);
       for (std::size_t i = 0; i < count; ++i) {
         const bool shows = pyramid_.farthest(0, pixels.x[i], pixels.y[i]) <= pixels.nearness[i];
-        visible[first + i] = (pixels.on_screen[i] != 0) & shows ? 1 : 0;
+        visible[first + i] = ((pixels.on_screen[i] != 0) & shows) ? 1 : 0;
       }
     }
   }

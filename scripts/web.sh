@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# web.sh [serve [PORT]]: compiles the library and the command line to WebAssembly, in build/web, and packs them as the npm
+# package build/npm/occlod-VERSION.tgz; the page of web/ lies beside it, in build/npm/page, and `serve` serves it on
+# http://127.0.0.1:PORT (8080). Needs Node with npm; the compiler comes by scripts/emscripten.sh, the dependencies from
+# Debian's source packages. Exit status 77 where one cannot be had.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+command -v npm >/dev/null || { echo "web: SKIPPED: npm is missing" >&2; exit 77; }
+OCCLOD_EMSCRIPTEN=$(scripts/emscripten.sh)
+export OCCLOD_EMSCRIPTEN
+package=build/web/npm
+rm -rf "$package/licences"
+mkdir -p "$package/licences" build/npm/page/occlod
+
+# Debian 12's Highway has no vectors of WebAssembly, and its zstd cannot leave out what level 3 does not need.
+old=$(scripts/debian_sources.sh cli11 fmtlib glm libstb nlohmann-json3 tinygltf xxhash)
+new=$(scripts/debian_sources.sh --suite trixie highway libzstd)
+fetched=()
+for pair in HWY=$new/highway ZSTD=$new/libzstd CLI11=$old/cli11 FMT=$old/fmtlib GLM=$old/glm STB=$old/libstb \
+  NLOHMANN_JSON=$old/nlohmann-json3 TINYGLTF=$old/tinygltf XXHASH=$old/xxhash; do
+  folder=${pair#*=}
+  fetched+=("-DFETCHCONTENT_SOURCE_DIR_${pair%%=*}=$folder")
+  find "$folder" -maxdepth 1 -type f \( -name 'LICENSE*' -o -name copying.txt \) -exec cat {} + >"$package/licences/$(basename "$folder")"
+done
+scripts/build.sh web "${fetched[@]}"
+
+cp -r packaging/npm/occlod/{bin,index.js,index.d.ts,package.json,README.md} LICENSE "$package"
+npm pack --silent --pack-destination build/npm "./$package" >/dev/null
+cp web/* build/npm/page
+cp -r "$package"/{index.js,wasm,licences,LICENSE} build/npm/page/occlod
+rm build/npm/page/occlod/wasm/occlod.*  # the command line
+if [ "${1:-}" = serve ]; then exec python3 -m http.server --bind 127.0.0.1 --directory build/npm/page "${2:-8080}"; fi
