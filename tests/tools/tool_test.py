@@ -429,6 +429,20 @@ class Render(ToolTest):
         self.assertAlmostEqual(away["visible_triangles"] / flat["visible_triangles"], 1.0, delta=0.02)
         self.assertAlmostEqual(away["max_quadric_error_px"] / flat["max_quadric_error_px"], 1.0, delta=0.02)
 
+    def test_pictures_in_place_of_occluders(self):
+        """The first frame has no picture yet and is that of software; later ones ask as well, and may hide more or less than an occluder."""
+        self.write_scene_with_paths()
+        arguments = ("render", "scene.json", "--budget", 500, "--path", "move", "--frame-to-frame", "--occlusion")
+        pictured, drawn = (self.json_of(*arguments, way) for way in ("picture", "software"))
+        self.assertEqual(pictured["occlusion"], "picture")
+        self.assertEqual(pictured["frames"][0]["hash"], drawn["frames"][0]["hash"])
+        for frame in pictured["frames"]:
+            self.assertGreater(frame["queries"], 0)
+            self.assertGreater(frame["show_ms"], 0)
+            self.assertLessEqual(frame["triangles"], 500)
+        self.assertNotIn("show_ms", drawn["frames"][1])
+        self.assertIn("needs the picture of a frame before", self.failure_of("render", "scene.json", "--occlusion", "picture"))
+
     def test_path_as_table_and_pictures(self):
         self.write_scene_with_paths()
         lines = self.succeed("render", "scene.json", "--occlusion", "software", "--budget", 500, "--path", "move", "--size", "64x48", "--png", "view.png").splitlines()
