@@ -1,44 +1,17 @@
 #include <algorithm>
 #include <glm/common.hpp>
 #include <mutex>
-#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
 
-#include "base/memory.h"
+#include "base/disjoint_sets.h"
 #include "base/threads.h"
 #include "mesh/mesh_report.h"
 #include "occlod/mesh.h"
 
 namespace occlod {
 namespace {
-
-// Disjoint sets of vertices or triangles (union-find).
-class DisjointSets {
- public:
-  void reset(std::size_t count) {
-    parent_.resize(count);
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
-
-  // Returns false when the two were in one set already.
-  bool join(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    if (a == b) return false;
-    parent_[std::max(a, b)] = std::min(a, b);
-    return true;
-  }
-
- private:
-  std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-
-  LargeVector<std::uint32_t> parent_;
-};
 
 struct Arrays {
   std::span<const glm::vec3> positions;  // one per vertex

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "base/disjoint_sets.h"
 #include "occlod/base.h"
 
 namespace occlod::tiles {
@@ -28,24 +29,6 @@ std::vector<std::uint32_t> first_at_place(const ChartMesh& mesh) {
     first[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? first[order[i - 1]] : order[i];
   return first;
 }
-
-// Holds disjoint sets of numbers, each named by its least member.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 void add_triangle(Chart& chart, const ChartMesh& mesh, std::uint32_t t) {
   const Triangle& triangle = mesh.triangles[t];
@@ -76,7 +59,8 @@ double Chart::texel_size() const noexcept {
 
 std::vector<Chart> find_charts(const ChartMesh& mesh) {
   const std::vector<std::uint32_t> first = first_at_place(mesh);
-  Sets sets(mesh.positions.size());
+  DisjointSets sets;
+  sets.reset(mesh.positions.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.images[mesh.triangles[t].x] == no_id) continue;
     const Triangle& triangle = mesh.triangles[t];
@@ -87,7 +71,7 @@ std::vector<Chart> find_charts(const ChartMesh& mesh) {
   std::vector<Chart> charts;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.images[mesh.triangles[t].x] == no_id) continue;
-    std::uint32_t& chart = chart_of[sets.find(first[mesh.triangles[t].x])];
+    std::uint32_t& chart = chart_of[sets.root(first[mesh.triangles[t].x])];
     if (chart == no_id) {
       chart = static_cast<std::uint32_t>(charts.size());
       charts.emplace_back().image = mesh.images[mesh.triangles[t].x];

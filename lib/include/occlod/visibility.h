@@ -118,7 +118,7 @@ class NoOcclusion final : public Visibility {
 // the mesh, e.g. what other parts of a program draw, but nothing translucent. A bound is hidden if the picture hides
 // it, seen from where it was taken; what the view may show beyond the sides of the picture is visible. So what comes
 // into sight is known when the next picture shows it. An occluder that is drawn all the same, because the view has
-// jumped or large parts may have come into sight, replaces the picture.
+// jumped, replaces the picture.
 class SoftwareOcclusion : public Visibility {
  public:
   // Shows a picture of the view and objects of the last begin_view(), i.e. of the last update(). `depth` has the size
