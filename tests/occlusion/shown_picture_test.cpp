@@ -96,11 +96,25 @@ TEST(ShownPicture, AnswersFromThePlaceOfThePictureAsSoftwareDoes) {
   EXPECT_GT(visible, 300U);
 }
 
+// What a picture hides of what an occluder hides, of all bounds so far.
+struct Hidden {
+  std::size_t by_picture = 0, by_occluder = 0;
+
+  // Whatever the picture hides the occluder hides.
+  void add(const std::vector<std::uint32_t>& picture, const std::vector<std::uint32_t>& occluder) {
+    for (std::size_t i = 0; i < picture.size(); ++i) {
+      ASSERT_TRUE(picture[i] != 0 || occluder[i] == 0) << i;
+      by_picture += picture[i] == 0 ? 1U : 0U;
+      by_occluder += occluder[i] == 0 ? 1U : 0U;
+    }
+  }
+};
+
 // From elsewhere, whatever it hides is hidden from where the picture was taken, and lies within the picture.
 TEST(ShownPicture, HidesFromElsewhereOnlyWhatThePictureHides) {
   RandomShapes random(22);
   const auto picture = make_software_occlusion();
-  std::size_t hidden = 0, left_open = 0;
+  Hidden hidden;
   for (int n = 0; n < 100; ++n) {
     const RandomScene scene(random);
     const Camera from = camera_at(random.in(1.0, 12.0) * random.unit());
@@ -111,15 +125,11 @@ TEST(ShownPicture, HidesFromElsewhereOnlyWhatThePictureHides) {
     picture->show(scene.drawn(taken), taken, one_object(taken));
     picture->begin_view(now, one_object(now));
     const auto software = with_occluder(scene, taken);
-    const std::vector<std::uint32_t> answers = scene.answers(*picture), expected = scene.answers(*software);
-    for (std::size_t i = 0; i < answers.size(); ++i) {
-      ASSERT_TRUE(answers[i] != 0 || expected[i] == 0) << n << " " << i;
-      hidden += answers[i] == 0 ? 1U : 0U;
-      left_open += answers[i] != 0 && expected[i] == 0 ? 1U : 0U;
-    }
+    SCOPED_TRACE(n);
+    ASSERT_NO_FATAL_FAILURE(hidden.add(scene.answers(*picture), scene.answers(*software)));
   }
-  EXPECT_GT(hidden, 300U);
-  EXPECT_GT(left_open, 100U);
+  EXPECT_GT(hidden.by_picture, 300U);
+  EXPECT_GT(hidden.by_occluder - hidden.by_picture, 100U);
 }
 
 // The eye at the origin looks along -z at a wall that fills the picture. Then it turns to the left.
@@ -175,22 +185,18 @@ TEST(ShownPicture, ADrawnOccluderReplacesThePicture) {
 TEST(ShownPicture, OfEvenSizeHidesALittleLess) {
   RandomShapes random(24);
   const auto halved = make_software_occlusion();
-  std::size_t hidden = 0, hidden_by_whole = 0;
+  Hidden hidden;
   for (int n = 0; n < 120; ++n) {
     const RandomScene scene(random);
     const View view(camera_at(random.in(1.0, 12.0) * random.unit(), 60 + 2 * n, 70));
     halved->show(scene.drawn(view), view, one_object(view));
     halved->begin_view(view, one_object(view));
     const auto whole = with_occluder(scene, view);
-    const std::vector<std::uint32_t> of_halved = scene.answers(*halved), of_whole = scene.answers(*whole);
-    for (std::size_t i = 0; i < of_halved.size(); ++i) {
-      ASSERT_TRUE(of_halved[i] != 0 || of_whole[i] == 0) << n << " " << i;
-      hidden += of_halved[i] == 0 ? 1U : 0U;
-      hidden_by_whole += of_whole[i] == 0 ? 1U : 0U;
-    }
+    SCOPED_TRACE(n);
+    ASSERT_NO_FATAL_FAILURE(hidden.add(scene.answers(*halved), scene.answers(*whole)));
   }
-  EXPECT_LT(hidden, hidden_by_whole);
-  EXPECT_GT(10 * hidden, 9 * hidden_by_whole);
+  EXPECT_LT(hidden.by_picture, hidden.by_occluder);
+  EXPECT_GT(10 * hidden.by_picture, 9 * hidden.by_occluder);
 }
 
 TEST(ShownPicture, RefusesPicturesOfOtherSizesAndBeforeAnyView) {
