@@ -323,6 +323,8 @@ bool CellView::faces_away(const NormalCone& cone, const Sphere& sphere) const no
 
 bool CellView::faces_away(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) const noexcept {
   const glm::dvec3 from(a), u = glm::dvec3(b) - from, v = glm::dvec3(c) - from, normal = glm::cross(u, v);
+  // Most faces are seen from the front by the first corner already, which takes no roots to find out.
+  if (glm::dot(normal, corners_[0] - from) >= 0.0) return false;
   const double size = glm::length(u) * glm::length(v), length = glm::length(normal);
   return std::all_of(corners_.begin(), corners_.end(), [&](const glm::dvec3& eye) {
     const glm::dvec3 to_eye = eye - from;

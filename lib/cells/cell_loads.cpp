@@ -179,10 +179,6 @@ constexpr double slope = 0.25;         // how far the eye may leave its course, 
 constexpr double walking_speed = 1.4;  // m/s: a speed that an eye may reach at any time
 constexpr int max_samples = 64;        // along the course
 
-double distance_to(const CellBox& box, const glm::dvec3& p) {
-  return glm::distance(p, glm::clamp(p, box.min, box.max));
-}
-
 }  // namespace
 
 void WalkMotion::step(const glm::dvec3& eye, double seconds) {
@@ -210,12 +206,15 @@ const std::vector<ExpectedCell>& CellForecast::expect(CellId leaf, const glm::dv
   here_ = leaf;
   expected_.clear();
   const double speed = glm::length(velocity), at_least = std::max(speed, walking_speed);
+  const double aside = std::max(slope * speed, walking_speed);
   for (const CellId other : neighbours_) {
-    // A cell ahead is entered when it is reached, any other only after a turn.
+    // A cell ahead is entered when it is reached, one aside when the eye has drifted there, any other only after a
+    // turn.
     const CellBox& box = tree_.node(other).box;
     const glm::dvec3 there = glm::clamp(eye, box.min, box.max) - eye;
-    const double distance = distance_to(box, eye);
-    add(other, distance / at_least + (glm::dot(there, velocity) < 0.0 ? memory_seconds : 0.0));
+    const glm::dvec3 ahead = speed > 0.0 ? velocity * (glm::dot(there, velocity) / (speed * speed)) : glm::dvec3(0.0);
+    const double turn = glm::dot(there, velocity) < 0.0 ? memory_seconds : 0.0;
+    add(other, std::max(glm::length(ahead) / at_least, glm::length(there - ahead) / aside) + turn);
   }
   // Samples the course in steps of half a cell; the first and the last sample are its ends.
   const CellBox& box = tree_.node(leaf).box;

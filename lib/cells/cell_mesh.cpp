@@ -197,24 +197,26 @@ Box box_around(std::span<const Triangle> triangles, std::span<const glm::vec3> p
   return box;
 }
 
-// Halves ranges at the median of the longest axis until blocks are small.
-void divide(std::span<Triangle> triangles, std::uint32_t first, std::span<const glm::vec3> positions,
-            std::vector<TriangleBlock>& blocks) {
-  const Box box = box_around(triangles, positions);
-  if (triangles.size() <= block_triangles) {
-    blocks.push_back({box, first, static_cast<std::uint32_t>(triangles.size())});
-    return;
+int longest_axis(std::span<const PlacedTriangle> triangles) {
+  glm::vec3 low = triangles[0].place, high = low;
+  for (const PlacedTriangle& t : triangles) {
+    low = glm::min(low, t.place);
+    high = glm::max(high, t.place);
   }
-  const glm::vec3 size = box.max - box.min;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const auto key = [&](const Triangle& t) {
-    return positions[t.x][axis] + positions[t.y][axis] + positions[t.z][axis];
-  };
+  const glm::vec3 size = high - low;
+  return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+}
+
+// Halves ranges at the median of the longest axis until they are small enough, and calls visit(range) for each.
+template <typename Visit>
+void halve(std::span<PlacedTriangle> triangles, const Visit& visit) {
+  if (triangles.size() <= block_triangles) return visit(triangles);
+  const int axis = longest_axis(triangles);
   const std::size_t half = triangles.size() / 2;
-  std::nth_element(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(half), triangles.end(),
-                   [&](const Triangle& a, const Triangle& b) { return key(a) < key(b); });
-  divide(triangles.first(half), first, positions, blocks);
-  divide(triangles.subspan(half), first + static_cast<std::uint32_t>(half), positions, blocks);
+  std::ranges::nth_element(triangles, triangles.begin() + static_cast<std::ptrdiff_t>(half), {},
+                           [&](const PlacedTriangle& t) { return t.place[axis]; });
+  halve(triangles.first(half), visit);
+  halve(triangles.subspan(half), visit);
 }
 
 }  // namespace
@@ -254,6 +256,7 @@ double CellMeshMaker::error_px(CellId cell, std::span<const CellAdditions* const
   double error = 0.0;
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
     cut_.gather(i, path, false);
+    faces_.set(i, cut_.applied);
     error = std::max(error, error_of(i, view_of(cell, i)));
   }
   return error;
@@ -273,12 +276,13 @@ void CellMeshMaker::draw(CellId cell, std::uint32_t object, const CellView& view
   faces_.drawn(object, view, cut_.hidden, drawn_.triangles);
 }
 
-// The topmost splits of subtrees have their largest errors, so the splits next to the cut determine the error.
+// The topmost splits of subtrees have their largest errors, so the splits next to the cut determine the error. The cut
+// is that of faces_.
 double CellMeshMaker::error_of(std::uint32_t object, const CellView& view) const {
   const Hierarchy& hierarchy = *objects_[object].hierarchy;
   double error = 0.0;
   const auto look_at = [&](SplitId s) {
-    if (s == no_id || std::ranges::binary_search(cut_.applied, s)) return;
+    if (s == no_id || faces_.applies(object, s)) return;
     const float own = errors_of(hierarchy, s, objects_[object].attributes).guaranteed;
     error = std::max(error,
                      static_cast<double>(own) * static_cast<double>(view.largest_scale_px(hierarchy.node(s).sphere)));
@@ -305,14 +309,27 @@ void CellMeshMaker::append(std::uint32_t object, CellMesh& mesh) {
   if (drawn_.triangles.empty()) return;
   const std::span<const glm::vec3> positions =
       packed_ ? std::span<const glm::vec3>(drawn_.positions) : objects_[object].hierarchy->positions();
-  divide(drawn_.triangles, 0, positions, mesh.blocks);
+  append_blocks(positions, mesh);
   place.blocks = size(mesh.blocks) - place.first_block;
-  add(drawn_.triangles, mesh.triangles);
   place.positions = add(drawn_.positions, mesh.positions);
   place.normals = add(drawn_.normals, mesh.normals);
   place.colors = add(drawn_.colors, mesh.colors);
   place.coordinates = add(drawn_.texture_coordinates, mesh.coordinates);
   place.materials = add(drawn_.materials, mesh.materials);
+}
+
+// Triangles are moved together with their places, since their vertices are all over the memory.
+void CellMeshMaker::append_blocks(std::span<const glm::vec3> positions, CellMesh& mesh) {
+  placed_.clear();
+  placed_.reserve(drawn_.triangles.size());
+  for (const Triangle& t : drawn_.triangles) placed_.push_back({positions[t.x] + positions[t.y] + positions[t.z], t});
+  const std::size_t first = mesh.triangles.size();
+  halve(placed_, [&](std::span<const PlacedTriangle> block) {
+    const std::size_t at = mesh.triangles.size();
+    for (const PlacedTriangle& t : block) mesh.triangles.push_back(t.triangle);
+    mesh.blocks.push_back({box_around(std::span(mesh.triangles).subspan(at), positions),
+                           static_cast<std::uint32_t>(at - first), static_cast<std::uint32_t>(block.size())});
+  });
 }
 
 std::vector<CellObjectMesh> read_cell(const VlodFile& file, CellId cell) {

@@ -118,6 +118,11 @@ struct CellMesh {
   }
 };
 
+struct PlacedTriangle {
+  glm::vec3 place{0.0F};  // sum of its corners
+  Triangle triangle{0};
+};
+
 // Makes cell meshes, reusing its memory; each thread needs its own.
 class CellMeshMaker {
  public:
@@ -142,6 +147,7 @@ class CellMeshMaker {
   [[nodiscard]] double error_of(std::uint32_t object, const CellView& view) const;
   void draw(CellId cell, std::uint32_t object, const CellView& view);
   void append(std::uint32_t object, CellMesh& mesh);
+  void append_blocks(std::span<const glm::vec3> positions, CellMesh& mesh);
 
   const VlodFile& file_;
   std::vector<RefineObject> objects_;
@@ -149,6 +155,7 @@ class CellMeshMaker {
   std::optional<vlod::PackedFaces> packed_;  // used with a packed file
   PathCut cut_;                              // of the current object
   CellObjectMesh drawn_;                     // of the current object; wedges only for a packed file
+  std::vector<PlacedTriangle> placed_;       // those of drawn_
 };
 
 }  // namespace occlod

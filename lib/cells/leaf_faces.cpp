@@ -1,6 +1,9 @@
 #include "cells/leaf_faces.h"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <ranges>
 
 #include "occlod/build_hierarchy.h"
 #include "splits/star.h"
@@ -33,16 +36,45 @@ void LeafFaces::classify(std::uint32_t object, const CellView& view, std::span<c
   });
 }
 
+// Corners are all over the memory: those of some faces are on their way to the caches before the first is looked at.
 void LeafFaces::drawn(std::uint32_t object, const CellView& view, std::span<const FaceRef> hidden,
                       std::vector<Triangle>& drawn) {
+  struct Face {
+    FaceRef ref;
+    Triangle corners{0};
+  };
+  std::array<Face, 64> ahead;
+  std::size_t count = 0;
+  const Hierarchy& hierarchy = *objects_[object].hierarchy;
+  const auto look = [&] {
+    for (const Face& face : std::span(ahead).first(count))
+      if (!faces_away(object, view, face.corners)) drawn.push_back(wedges_of_face(hierarchy, face.ref, face.corners));
+    count = 0;
+  };
   drawn.clear();
   cuts_[object].for_each_active([&](const FaceRef& face, const Triangle& t) {
     while (!hidden.empty() && face_key(hidden.front()) < face_key(face)) hidden = hidden.subspan(1);
-    const bool is_hidden = !hidden.empty() && hidden.front() == face;
-    if (!is_hidden && !faces_away(object, view, t))
-      drawn.push_back(wedges_of_face(*objects_[object].hierarchy, face, t));
+    if (!hidden.empty() && hidden.front() == face) return;
+    for (int k = 0; k < 3; ++k) prefetch(&hierarchy.positions()[t[k]]);
+    ahead[count++] = {face, t};
+    if (count == ahead.size()) look();
   });
+  look();
 }
+
+namespace {
+
+// Adds `more` to what is in the order of its keys already. Takes least where `more` is as well, as the file has it.
+template <typename Value, typename Key>
+void merge(const std::vector<Value>& more, std::vector<Value>& into, const Key& key) {
+  const auto middle = static_cast<std::ptrdiff_t>(into.size());
+  into.insert(into.end(), more.begin(), more.end());
+  const auto added = std::ranges::subrange(into.begin() + middle, into.end());
+  if (!std::ranges::is_sorted(added, {}, key)) std::ranges::sort(added, {}, key);
+  std::ranges::inplace_merge(into, into.begin() + middle, {}, key);
+}
+
+}  // namespace
 
 void PathCut::gather(std::uint32_t object, std::span<const CellAdditions* const> path, bool is_leaf) {
   applied.clear();
@@ -50,11 +82,9 @@ void PathCut::gather(std::uint32_t object, std::span<const CellAdditions* const>
   for (const CellAdditions* node : path) {
     const auto found = std::ranges::lower_bound(node->objects, object, {}, &ObjectAdditions::object);
     if (found == node->objects.end() || found->object != object) continue;
-    applied.insert(applied.end(), found->splits.begin(), found->splits.end());
-    if (is_leaf) hidden.insert(hidden.end(), found->hidden.begin(), found->hidden.end());
+    merge(found->splits, applied, [](SplitId s) { return s; });
+    if (is_leaf) merge(found->hidden, hidden, [](const FaceRef& face) { return face_key(face); });
   }
-  std::ranges::sort(applied);
-  std::ranges::sort(hidden, {}, face_key);
 }
 
 }  // namespace occlod

@@ -26,6 +26,8 @@ class LeafFaces {
   // Sets the cut of this object. `applied` is ascending and closed under dependency. Takes least where it differs
   // little from the last cut, as those of neighbouring cells do. See Cut::set().
   void set(std::uint32_t object, std::span<const SplitId> applied);
+  // Returns whether the cut of this object applies the split.
+  [[nodiscard]] bool applies(std::uint32_t object, SplitId s) const noexcept { return cuts_[object].applied(s); }
 
   // Returns, ascending, the faces that are in `drawn`, and those of the others that do not face away. `drawn` holds
   // active triangles of wedges in the order of their faces. Clears both outputs first. O(faces).

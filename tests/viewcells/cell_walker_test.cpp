@@ -147,6 +147,26 @@ TEST_F(CellWalkerTest, HasNeighboursAndWhatIsAheadBeforeTheyAreEntered) {
   }
 }
 
+// Where there is no time for all neighbours, the way ahead counts, though others are nearer.
+TEST_F(CellWalkerTest, LoadsWhatIsAheadBeforeWhatIsAside) {
+  CellWalker walker(file_, objects_, by_hand());
+  std::vector<CellId> leaves;  // as they were read
+  walker.set_trial({.reader = [&](CellId cell, std::span<const CellAdditions* const> above) {
+    if (file_->tree().is_leaf(cell)) leaves.push_back(cell);
+    return file_->read(cell, above);
+  }});
+  CellLoader loader(walker);
+  const CellId here = file_->tree().leaf_of(options_.regions[0].min);
+  const CellBox& box = file_->tree().node(here).box;
+  const double edge = box.max.y - box.min.y;
+  const glm::dvec3 middle = 0.5 * (box.min + box.max), eye(middle.x, box.min.y + 0.05 * edge, middle.z);
+  for (int i = 60; i >= 0; --i) walker.step(eye - glm::dvec3(0.0, 0.1 * i, 0.0), 0.01);
+  load_all(loader);
+  ASSERT_GE(leaves.size(), 2U);
+  EXPECT_EQ(leaves[0], here);
+  EXPECT_EQ(leaves[1], file_->tree().leaf_of({middle.x, box.max.y + 0.01 * edge, middle.z}));
+}
+
 // The control: what makes frames late, and what is drawn in them.
 TEST_F(CellWalkerTest, IsLateWithoutPrefetch) {
   const WalkOptions options = by_hand();
