@@ -28,6 +28,7 @@ STAR_SOFTWARE = ("--occlusion", "software")
 STAR = ("--occlusion", "none")
 FRAMES = (*STAR_SOFTWARE, "--frame-to-frame")
 PAPERS_OWN = ("--paper",)
+PAPERS_OWN_BEFORE = ("--culling", "subtree", "--proxy", "cylinder", "--occluder-splits", "300,2500")  # in 582fcf1
 MILLION = (*PAPERS_OWN, "--occlusion", "none", "--budget", "1000000")
 
 
@@ -69,12 +70,15 @@ class Version:
     name: str
     occlod: pathlib.Path
     cache: pathlib.Path
+    papers_own: tuple = PAPERS_OWN  # what this version calls it
 
     def run(self, *command):
         return run(command, XDG_CACHE_HOME=str(self.cache))
 
     def render(self, scene, *options):
         threads = () if "--threads" in options else ("--threads", "1")
+        if options[:1] == PAPERS_OWN:
+            options = (*self.papers_own, *options[1:])
         return json.loads(self.run(self.occlod, "render", scene, "--json", *options, *threads))
 
 
@@ -264,7 +268,7 @@ def measure(options):
     shutil.rmtree(caches / "present", ignore_errors=True)  # hierarchies that this very version builds
     versions = [Version("present", options.build / "tools" / "occlod", caches / "present")]
     if options.reference:
-        versions.insert(0, Version("reference", options.reference, caches / "reference"))
+        versions.insert(0, Version("reference", options.reference, caches / "reference", PAPERS_OWN_BEFORE))
     result = {"about": about(options.quick)}
     start = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="occlod-targets-") as folder:
