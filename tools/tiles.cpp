@@ -1,4 +1,5 @@
-// Implements `occlod tiles INPUT... -o OUTPUT`: 3D Tiles 1.1 with glTF contents, in a folder or an archive, of meshes, a scene or an HLOD.
+// Implements `occlod tiles INPUT... -o OUTPUT`: 3D Tiles 1.1 with glTF contents, of meshes, a scene or an HLOD, in a
+// folder or an archive.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>

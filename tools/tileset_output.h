@@ -19,7 +19,7 @@ class App;
 namespace occlod::tool {
 
 struct TilesetOutput {
-  std::string path;  // of a folder or, where it ends in .3tz, an archive
+  std::string path;    // of a folder or, where it ends in .3tz, an archive
   std::string origin;  // LON,LAT,H; empty: no place on Earth
   std::string images;  // folder; empty: that of the input
   tiles::TilesetOptions tileset;
