@@ -33,6 +33,9 @@ void require_file(const std::string& folder, const std::string& name, const std:
 }
 
 void run(const Options& options) {
+  if (std::error_code unknown; std::filesystem::is_regular_file(options.folder, unknown))
+    throw Error({options.folder, "", "is a file, and a tileset is served from a folder",
+                 "unpack an archive with 'unzip', or write the tileset as a folder"});
   require_file(options.folder, "tileset.json", "make a tileset with 'occlod tiles'");
   if (!options.cesium.empty())
     require_file(options.cesium, "Cesium.js", "name the folder Build/Cesium of the package cesium");

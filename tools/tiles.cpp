@@ -1,4 +1,5 @@
-// Implements `occlod tiles INPUT... -o FOLDER`: 3D Tiles 1.1 with glTF contents, of meshes, a scene or an HLOD.
+// Implements `occlod tiles INPUT... -o OUTPUT`: 3D Tiles 1.1 with glTF contents, of meshes, a scene or an HLOD, in a
+// folder or an archive.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
@@ -38,14 +39,14 @@ bool is_hlod(const Options& options) {
   return options.inputs.size() == 1 && fs::path(options.inputs[0]).extension() == ".ohlod";
 }
 
-// The whole folder is replaced, so no input may lie in it.
+// All of the output is replaced, so no input may be it or lie in it.
 void refuse_inputs_in(const TilesetOutput& output, const std::vector<std::string>& inputs) {
   std::error_code ignored;
-  const fs::path folder = fs::weakly_canonical(output.folder, ignored);
+  const fs::path whole = fs::weakly_canonical(output.path, ignored);
   for (const std::string& input : inputs) {
     const fs::path file = fs::weakly_canonical(input, ignored);
-    if (std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end())
-      throw CLI::ValidationError("--output", "the folder holds an input, " + shown(input) + "; choose another folder");
+    if (std::mismatch(whole.begin(), whole.end(), file.begin(), file.end()).first == whole.end())
+      throw CLI::ValidationError("--output", "holds an input, " + shown(input) + "; choose another name");
   }
 }
 
@@ -69,7 +70,7 @@ void run(const Options& options) {
   Progress progress(options.progress);
   Stopwatch stopwatch;
   std::optional<MemoryLimit> limit;  // ends after what it holds
-  if (options.memory) limit.emplace(*options.memory, folder_beside(options.output.folder));
+  if (options.memory) limit.emplace(*options.memory, folder_beside(options.output.path));
   BuiltHlod built;
   if (is_hlod(options)) {
     OhlodFile file = read_nested_ohlod(options.inputs[0]);
@@ -78,7 +79,7 @@ void run(const Options& options) {
     built.read_ms = stopwatch.milliseconds();
   } else {
     hlod::HlodBuildOptions build = options.build;
-    build.progress = [&progress, what = "building " + options.output.folder](double done) {
+    build.progress = [&progress, what = "building " + options.output.path](double done) {
       progress.show(what, done);
       return true;
     };
@@ -106,7 +107,7 @@ void add_tiles(CLI::App& app) {
   add_node_triangles(command, options->build.node_triangles);
   add_memory(command, options->memory, min_build_memory,
              "Stream the input and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files "
-             "beside FOLDER");
+             "beside OUTPUT");
   command.callback([options, &command] {
     read_global_options(command,
                         {.json = &options->json, .progress = &options->progress, .threads = &options->build.threads});

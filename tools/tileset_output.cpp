@@ -45,9 +45,10 @@ tiles::GeodeticOrigin parse_origin(const std::string& text) {
 
 void add_tileset_output(CLI::App& command, TilesetOutput& output) {
   tiles::TilesetOptions& tileset = output.tileset;
-  add_file(command, "-o,--output", output.folder, "Folder to write: new, empty, or with --replace that of a tileset")
+  add_file(command, "-o,--output", output.path,
+           "Folder to write: new, empty, or with --replace that of a tileset; or an archive, whose name ends in .3tz")
       ->required()
-      ->type_name("FOLDER");
+      ->type_name("OUTPUT");
   add_choice(command, "--compress", tileset.compression,
              {{"none", tiles::Compression::none}, {"meshopt", tiles::Compression::meshopt}},
              "meshopt: EXT_meshopt_compression, which CesiumJS and three.js read");
@@ -76,7 +77,7 @@ void add_tileset_output(CLI::App& command, TilesetOutput& output) {
   add_choice(command, "--texture-format", tileset.texture_format,
              {{"png", std::optional(tiles::TextureFormat::png)}, {"jpeg", std::optional(tiles::TextureFormat::jpeg)}},
              "Of the images that tiles have of their own [as the input's]");
-  command.add_flag("--replace", tileset.replace, "Replace the tileset that FOLDER holds");
+  command.add_flag("--replace", tileset.replace, "Replace the tileset that OUTPUT is");
   add_number(command, "--tiles-per-file", output.tiles_per_file, WholeRange{1, max_tiles_per_file},
              "The most tiles in a .json file; more go on in others")
       ->capture_default_str();
@@ -85,7 +86,7 @@ void add_tileset_output(CLI::App& command, TilesetOutput& output) {
 void check(const TilesetOutput& output) {
   if (!output.origin.empty()) static_cast<void>(parse_origin(output.origin));
   tiles::check_tileset_options(output.tileset);
-  tiles::check_tileset_output(output.folder, output.tileset.replace);
+  tiles::check_tileset_output(output.path, output.tileset.replace);
 }
 
 Json write_tileset(const TilesetOutput& output, const hlod::Hlod& hlod, const std::filesystem::path& input_folder,
@@ -93,10 +94,10 @@ Json write_tileset(const TilesetOutput& output, const hlod::Hlod& hlod, const st
   tiles::TilesetOptions tileset = output.tileset;
   tileset.image_folder = output.images.empty() ? input_folder : std::filesystem::path(output.images);
   if (!output.origin.empty()) tileset.origin = parse_origin(output.origin);
-  const std::string what = "writing " + output.folder;
+  const std::string what = "writing " + output.path;
   tileset.progress = [&](double done) { progress.show(what, done, hlod.data().input_triangle_count); };
   const WriteMonitor monitor([](std::uint64_t) { note_interrupts(); });
-  const tiles::TilesetCounts counts = write_tileset(output.folder, hlod, tileset, output.tiles_per_file);
+  const tiles::TilesetCounts counts = write_tileset(output.path, hlod, tileset, output.tiles_per_file);
   progress.clear();
   for (const std::string& image : counts.images_left_out)
     print_note(image + ": no image that glTF has, or not there; left out (--images names the folder that files are " +
@@ -107,7 +108,7 @@ Json write_tileset(const TilesetOutput& output, const hlod::Hlod& hlod, const st
   Json shared = Json::array();
   for (const tiles::SharedImage& image : counts.images_shared) shared.push_back(image.name);
   const auto triangles = static_cast<double>(hlod.data().input_triangle_count);
-  return {{"folder", output.folder},
+  return {{tiles::is_archive(output.path) ? "archive" : "folder", output.path},
           {"up", tileset.up.value_or(hlod.data().up) == UpAxis::y ? "y" : "z"},
           {"tiles", counts.tiles},
           {"tileset_files", counts.tileset_files},

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "hlod/tiles/tile_tree.h"
+#include "hlod/tiles/tileset_files.h"
 #include "json_output.h"
 #include "occlod/hlod.h"
 #include "occlod/tiles.h"
@@ -18,7 +19,7 @@ class App;
 namespace occlod::tool {
 
 struct TilesetOutput {
-  std::string folder;
+  std::string path;    // of a folder or, where it ends in .3tz, an archive
   std::string origin;  // LON,LAT,H; empty: no place on Earth
   std::string images;  // folder; empty: that of the input
   tiles::TilesetOptions tileset;
@@ -28,11 +29,11 @@ struct TilesetOutput {
 // Adds --output, --compress, --quantise, --skirts, --up, --origin, --images, --replace and --tiles-per-file.
 void add_tileset_output(CLI::App& command, TilesetOutput& output);
 
-// Throws for options that do not fit, and for a folder that is not to be had, before anything takes long.
+// Throws for options that do not fit, and for a path that is not to be had, before anything takes long.
 void check(const TilesetOutput& output);
 
 // Writes the tileset and notes which images it lacks. Image names lead from `input_folder` unless --images is given.
-// Returns folder, up and counts.
+// Returns folder or archive, up and counts.
 [[nodiscard]] Json write_tileset(const TilesetOutput& output, const hlod::Hlod& hlod,
                                  const std::filesystem::path& input_folder, Progress& progress);
 

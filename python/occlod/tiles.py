@@ -54,8 +54,9 @@ def write_tiles(
     between levels. `up` overrules the axis of the input. `origin`: longitude and latitude in degrees and metres above the
     ellipsoid of coordinate 0. `images`: the folder that image names lead from; None: that of a path, else the current one.
     `texture_format`: of the images that tiles have of their own; None: as those of the input.
-    `folder` is new or empty, or with `replace` a tileset of occlod. `progress` is called with the share done; what it
-    raises, and Ctrl-C, leave the folder as it was. Error for what cannot be read or written.
+    `folder` is new or empty, or with `replace` a tileset of occlod; a name that ends in .3tz is that of an archive, one file.
+    `progress` is called with the share done; what it raises, and Ctrl-C, leave what is there. Error for what cannot be read
+    or written.
     """
     check_tileset_output(folder, replace)
     if not isinstance(what, (Mesh, Hlod)):

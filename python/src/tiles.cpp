@@ -38,7 +38,7 @@ void bind_tiles(nb::module_& m) {
       .def_ro("triangles", &TilesetCounts::triangles, "Of all contents, without skirts.")
       .def_ro("skirt_triangles", &TilesetCounts::skirt_triangles, "Of all contents.")
       .def_ro("content_bytes", &TilesetCounts::content_bytes, "Of all contents.")
-      .def_ro("bytes", &TilesetCounts::bytes, "Of all files.")
+      .def_ro("bytes", &TilesetCounts::bytes, "Of all files, or of the archive.")
       .def_ro("images_left_out", &TilesetCounts::images_left_out,
               "Files that are not there, and images in a format that glTF lacks; materials are written without them.")
       .def_ro("texels", &TilesetCounts::texels, "Of the images that tiles have of their own.")

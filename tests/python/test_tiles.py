@@ -4,6 +4,7 @@ import pathlib
 import subprocess
 import tempfile
 import unittest
+import zipfile
 
 import numpy as np
 
@@ -42,6 +43,10 @@ class Tiles(unittest.TestCase):
         self.assertEqual(files_of(self.folder / "scene"), self.by_the_tool("a.json"))
         occlod.write_tiles(mesh, self.folder / "scene", node_triangles=64, threads=1, quantise_bits=12, skirts=True, up=occlod.UpAxis.y,
                            origin=(11.5, 48.1, 520), replace=True)
+        counts = occlod.write_tiles(mesh, self.folder / "a.3tz")
+        with zipfile.ZipFile(self.folder / "a.3tz") as archive:
+            self.assertEqual({name: archive.read(name) for name in archive.namelist()[:-1]}, plain)
+        self.assertEqual(counts.bytes, (self.folder / "a.3tz").stat().st_size)
         options = "--node-triangles 64 --quantise 12 --skirts --up y --origin 11.5,48.1,520".split()
         self.assertEqual(files_of(self.folder / "scene"), self.by_the_tool("a.ply", *options))
 

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""tileset_check.py FOLDER [--json]: checks a tileset of `occlod tiles` against every rule of 3D Tiles 1.1 and glTF 2.0 that it makes use of, and
+"""tileset_check.py TILESET [--json]: checks a tileset of `occlod tiles`, a folder or an archive (.3tz, by archive_check.py), against every rule of 3D Tiles 1.1 and glTF 2.0 that it makes use of, and
 against what docs/guide/tiles.md promises. Independent of our own code: it reads the bytes with Python's library. Whatever is wrong ends in exit 1 and
 one line on standard error: the file, the place in it, the problem. Contents: glb_check.py."""
 import json
 import os.path
 import pathlib
 import sys
+import tempfile
 import urllib.parse
 
+from archive_check import Archive
 from glb_check import Glb
 from json_place import Place, Wrong, parse, quoted
 
@@ -148,15 +150,23 @@ class Checker:
         self.found["content_bytes"] += path.stat().st_size
 
 
-def check(folder, max_tiles=None):
+def check(tileset, max_tiles=None):
     """What was found, as a dictionary; raises Wrong."""
-    return Checker(folder, max_tiles).run()
+    if pathlib.Path(tileset).suffix.lower() != ".3tz" or not pathlib.Path(tileset).is_file():
+        return Checker(tileset, max_tiles).run()
+    archive = Archive(tileset)
+    with tempfile.TemporaryDirectory(prefix="occlod-archive-") as folder:
+        for name in archive.names:
+            path = pathlib.Path(folder, name)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(archive.read(name))
+        return Checker(folder, max_tiles).run()
 
 
 def main():
     folders = [argument for argument in sys.argv[1:] if not argument.startswith("--")]
     if len(folders) != 1:
-        sys.exit("usage: tileset_check.py FOLDER [--json]")
+        sys.exit("usage: tileset_check.py TILESET [--json]")
     try:
         found = check(folders[0])
     except Wrong as error:

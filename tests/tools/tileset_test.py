@@ -343,7 +343,7 @@ class OneCommand(ToolTest):
         self.assertIn("holds a tileset already", self.failure_of("tiles", "planet.ply", "-o", "new"))
         done = self.run_tool("tiles", "new/tiles/0/0.glb", "-o", "new", "--replace")
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
-        self.assertIn("the folder holds an input", done.stderr)
+        self.assertIn("--output: holds an input", done.stderr)
         self.assertEqual(self.files_of("new"), before)
 
 

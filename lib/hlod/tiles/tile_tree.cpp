@@ -90,7 +90,7 @@ std::string tileset_name(hlod::NodeId n) { return fmt::format("tileset-{}.json",
 
 class JsonWriter {
  public:
-  JsonWriter(AtomicFolder& folder, const TileTree& tree) : folder_(folder), tree_(tree) {}
+  JsonWriter(TilesetFiles& files, const TileTree& tree) : files_(files), tree_(tree) {}
 
   std::uint64_t run(const std::optional<glm::dmat4>& transform, const std::set<std::string>& images) {
     write("tileset.json", tree_.error(), top(), transform, images);
@@ -114,7 +114,7 @@ class JsonWriter {
     const Json tileset = {{"asset", {{"version", "1.1"}, {"extras", std::move(extras)}}},
                           {"geometricError", error},
                           {"root", std::move(root)}};
-    folder_.write(name, tileset.dump());
+    files_.write(name, tileset.dump());
   }
 
   // Returns the root tile. Several roots become the children of a tile without content.
@@ -155,7 +155,7 @@ class JsonWriter {
             {"content", {{"uri", tileset_name(n)}}}};
   }
 
-  AtomicFolder& folder_;
+  TilesetFiles& files_;
   const TileTree& tree_;
   std::vector<hlod::NodeId> externals_;  // still to be written
 };
@@ -168,9 +168,9 @@ std::string content_name(hlod::NodeId n, std::size_t coarser) {
   return coarser == 0 ? name + ".glb" : fmt::format("{}-{}.glb", name, coarser);
 }
 
-std::uint64_t write_tileset_json(AtomicFolder& folder, const TileTree& tree, const std::optional<glm::dmat4>& transform,
+std::uint64_t write_tileset_json(TilesetFiles& files, const TileTree& tree, const std::optional<glm::dmat4>& transform,
                                  const std::set<std::string>& images) {
-  return JsonWriter(folder, tree).run(transform, images);
+  return JsonWriter(files, tree).run(transform, images);
 }
 
 namespace {

@@ -5,11 +5,12 @@
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
-#include "base/atomic_file.h"
 #include "hlod/tiles/encode_tile.h"
+#include "hlod/tiles/tileset_files.h"
 #include "occlod/hlod.h"
 #include "occlod/tiles.h"
 
@@ -74,7 +75,7 @@ class TileTree {
 // Writes tileset.json and the external tilesets. Returns how many files it has written. `transform` applies to the
 // whole tileset. tileset.json lists `images`, the names of all other files in the folder that no tile names, for who
 // replaces it. `tree` must be complete.
-std::uint64_t write_tileset_json(AtomicFolder& folder, const TileTree& tree, const std::optional<glm::dmat4>& transform,
+std::uint64_t write_tileset_json(TilesetFiles& files, const TileTree& tree, const std::optional<glm::dmat4>& transform,
                                  const std::set<std::string>& images);
 
 // Returns the transform from metres to the east, north and up of a place on the WGS84 ellipsoid to Earth-centred,
@@ -87,7 +88,7 @@ void check_tileset_options(const TilesetOptions& options);
 // The most tiles in a .json file, unless those of one with its children are more.
 inline constexpr std::uint32_t usual_tiles_per_file = 1000;
 // As without a number of tiles in a file, >= 1.
-TilesetCounts write_tileset(const std::filesystem::path& folder, const hlod::Hlod& hlod, const TilesetOptions& options,
+TilesetCounts write_tileset(const std::filesystem::path& path, const hlod::Hlod& hlod, const TilesetOptions& options,
                             std::uint32_t tiles_per_file);
 
 }  // namespace occlod::tiles

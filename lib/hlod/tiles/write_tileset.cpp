@@ -1,4 +1,4 @@
-// Writes the tileset of an HLOD: images, contents and JSON files, in a folder that it may replace.
+// Writes the tileset of an HLOD: images, contents and JSON files, in a folder or archive that it may replace.
 
 #include <fmt/format.h>
 
@@ -9,6 +9,7 @@
 #include <glm/mat4x4.hpp>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
@@ -28,6 +29,7 @@
 #include "hlod/tiles/encode_tile.h"
 #include "hlod/tiles/tile_mesh.h"
 #include "hlod/tiles/tile_tree.h"
+#include "hlod/tiles/tileset_files.h"
 #include "mesh/image_codec.h"
 #include "mesh/image_files.h"
 #include "occlod/base.h"
@@ -55,7 +57,7 @@ std::vector<std::uint8_t> shared_textures(const hlod::HlodView& hlod, const Sour
 // Writes each image once, in the folder textures/, for all contents to share, but those that are divided among them.
 // Leaves out images that are missing or in a format that glTF lacks, whatever their names, and names them in
 // `left_out`. File names are relative to `image_folder`. O(bytes).
-[[nodiscard]] TileLook write_images(AtomicFolder& folder, const hlod::HlodView& hlod, const SourceTextures& sources,
+[[nodiscard]] TileLook write_images(TilesetFiles& files, const hlod::HlodView& hlod, const SourceTextures& sources,
                                     const fs::path& image_folder, std::vector<std::string>& left_out) {
   TileLook look{hlod.materials, hlod.textures, {}, hlod.texture_origin};
   std::map<std::string, std::string> written;  // from file names to URIs
@@ -75,7 +77,7 @@ std::vector<std::uint8_t> shared_textures(const hlod::HlodView& hlod, const Sour
       left_out.push_back(is_file ? texture.file : fmt::format("image {}", number));
     } else {
       const std::string name = fmt::format("textures/{}{}", number, image_extension(type));
-      folder.write(name, std::string(bytes->begin(), bytes->end()));
+      files.write(name, std::string(bytes->begin(), bytes->end()));
       uri = "../../" + name;
     }
     if (is_file) written[texture.file] = uri;
@@ -191,7 +193,16 @@ hlod::HlodBuildOptions build_options() {
   return options;
 }
 
-void check_tileset_output(const fs::path& folder, bool replace) {
+namespace {
+
+void check_archive(const fs::path& file, bool replace) {
+  AtomicFile::check(file);
+  std::error_code unknown;
+  if (!replace && fs::exists(file, unknown))
+    fail(file, "is there already", "choose a new name, or replace it with --replace");
+}
+
+void check_folder(const fs::path& folder, bool replace) {
   AtomicFolder::check(folder);
   std::error_code error;
   if (!fs::exists(folder, error)) return;
@@ -204,6 +215,12 @@ void check_tileset_output(const fs::path& folder, bool replace) {
     fail(folder, fmt::format("holds {}, which is no part of the tileset of occlod there", other),
          "move it elsewhere, or choose a new folder");
   if (!replace) fail(folder, "holds a tileset already", "choose a new folder, or replace it with --replace");
+}
+
+}  // namespace
+
+void check_tileset_output(const fs::path& path, bool replace) {
+  is_archive(path) ? check_archive(path, replace) : check_folder(path, replace);
 }
 
 void check_tileset_options(const TilesetOptions& options) {
@@ -249,11 +266,11 @@ std::optional<glm::dmat4> transform_of(const TilesetOptions& options, UpAxis up,
 
 class TilesetWriter {
  public:
-  TilesetWriter(const std::filesystem::path& folder, const hlod::Hlod& hlod, const TilesetOptions& options,
+  TilesetWriter(const std::filesystem::path& path, const hlod::Hlod& hlod, const TilesetOptions& options,
                 std::uint32_t tiles_per_file)
-      : errors_(folder),
-        path_(folder),
-        folder_(folder),
+      : errors_(path),
+        path_(path),
+        files_(make_tileset_files(path)),
         hlod_(hlod),
         options_(options),
         tiles_per_file_(tiles_per_file),
@@ -270,7 +287,7 @@ class TilesetWriter {
     if (needs_borders_) borders_ = BorderVertices(hlod_, [this] { step(); });
     sources_ = SourceTextures(hlod_, options_.image_folder, threads_, [this] { step(); });
     count_sources();
-    look_ = write_images(folder_, hlod_.data(), sources_, options_.image_folder, counts_.images_left_out);
+    look_ = write_images(*files_, hlod_.data(), sources_, options_.image_folder, counts_.images_left_out);
     std::vector<WrittenTile> tiles(std::min<std::size_t>(hlod_.node_count(), std::size_t{8} * threads_));
     for (std::size_t first = 0; first < hlod_.node_count(); first += tiles.size()) {
       const std::size_t count = std::min(tiles.size(), hlod_.node_count() - first);
@@ -283,10 +300,9 @@ class TilesetWriter {
     }
     tree_.complete(TileError::guaranteed, tiles_per_file_);
     counts_.tileset_files = write_tileset_json(
-        folder_, tree_, transform_of(options_, options_.up.value_or(hlod_.data().up), hlod_.data().origin), images());
-    counts_.bytes = folder_.bytes();
+        *files_, tree_, transform_of(options_, options_.up.value_or(hlod_.data().up), hlod_.data().origin), images());
     check_tileset_output(path_, options_.replace);  // again: what came meanwhile is not removed
-    folder_.commit();
+    counts_.bytes = files_->commit();
     return counts_;
   }
 
@@ -379,7 +395,7 @@ class TilesetWriter {
   void write(hlod::NodeId n, const WrittenTile& made) {
     if (made.contents.empty()) return;
     for (std::size_t i = 0; i < made.contents.size(); ++i) {
-      folder_.write(content_name(n, i), made.contents[i].bytes);
+      files_->write(content_name(n, i), made.contents[i].bytes);
       counts_.content_bytes += made.contents[i].bytes.size();
     }
     tree_[n].content_box = made.contents[0].box;
@@ -395,7 +411,7 @@ class TilesetWriter {
 
   FileErrors errors_;
   fs::path path_;
-  AtomicFolder folder_;
+  std::unique_ptr<TilesetFiles> files_;
   const hlod::Hlod& hlod_;
   const TilesetOptions& options_;
   std::uint32_t tiles_per_file_;
@@ -414,17 +430,16 @@ class TilesetWriter {
 
 }  // namespace
 
-TilesetCounts write_tileset(const std::filesystem::path& folder, const hlod::Hlod& hlod,
-                            const TilesetOptions& options) {
-  return write_tileset(folder, hlod, options, usual_tiles_per_file);
+TilesetCounts write_tileset(const std::filesystem::path& path, const hlod::Hlod& hlod, const TilesetOptions& options) {
+  return write_tileset(path, hlod, options, usual_tiles_per_file);
 }
 
-TilesetCounts write_tileset(const std::filesystem::path& folder, const hlod::Hlod& hlod, const TilesetOptions& options,
+TilesetCounts write_tileset(const std::filesystem::path& path, const hlod::Hlod& hlod, const TilesetOptions& options,
                             std::uint32_t tiles_per_file) {
   check_tileset_options(options);
   check(hlod);
-  check_tileset_output(folder, options.replace);
-  return TilesetWriter(folder, hlod, options, tiles_per_file).run();
+  check_tileset_output(path, options.replace);
+  return TilesetWriter(path, hlod, options, tiles_per_file).run();
 }
 
 }  // namespace occlod::tiles

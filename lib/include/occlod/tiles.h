@@ -57,9 +57,9 @@ struct TilesetOptions {
   // PNG.
   std::optional<TextureFormat> texture_format;
   int threads = 0;       // in [0, 1024]; 0: one for each core. The result does not depend on it
-  bool replace = false;  // a tileset in the folder, if nothing else is there
-  // Called now and then with the share done, in [0, 1]. What it throws ends the writing, and leaves the folder as it
-  // was.
+  bool replace = false;  // a tileset in the folder, if nothing else is there, or the file
+  // Called now and then with the share done, in [0, 1]. What it throws ends the writing, and leaves what is
+  // there.
   std::function<void(double)> progress = {};
 };
 
@@ -76,7 +76,7 @@ struct TilesetCounts {
   std::uint64_t triangles = 0;        // of all contents, without skirts
   std::uint64_t skirt_triangles = 0;  // of all contents
   std::uint64_t content_bytes = 0;    // of all contents
-  std::uint64_t bytes = 0;            // of all files
+  std::uint64_t bytes = 0;            // of all files, or of the archive
   std::uint64_t texels = 0;           // of the images of all tiles
   std::uint64_t source_texels = 0;    // of the images that are divided among them
   std::uint64_t texture_bytes = 0;    // of the images of all tiles, encoded
@@ -88,17 +88,18 @@ struct TilesetCounts {
   std::vector<std::string> images_left_out;
 };
 
-// Writes tileset.json and what it refers to into `folder`, which is new, empty, or as `replace` has it. Writes beside
+// Writes tileset.json and what it refers to: into the file `path` where that ends in .3tz, by the 3D Tiles Archive
+// Format 1.3, else into the folder `path`. Either is new, a folder may be empty, or as `replace` has it. Writes beside
 // it and renames, so that a failure leaves it as it was. Meshes are read one at a time, so an HLOD in a mapped file
 // need not fit into memory; the vertices at borders of level 0 must, at some 100 bytes each, where normals or skirts
 // are made. The same arguments give the same bytes.
 //
 // Throws Error for an option out of its range, for an HLOD of shifted groups, which is no tree, or without triangles,
 // for what check_tileset_output() refuses, and when a file cannot be read or written. O(size).
-TilesetCounts write_tileset(const std::filesystem::path& folder, const hlod::Hlod& hlod,
+TilesetCounts write_tileset(const std::filesystem::path& path, const hlod::Hlod& hlod,
                             const TilesetOptions& options = {});
 
-// Throws what write_tileset() throws for this folder and writes nothing, for programs that compute for long before.
-void check_tileset_output(const std::filesystem::path& folder, bool replace);
+// Throws what write_tileset() throws for this path and writes nothing, for programs that compute for long before.
+void check_tileset_output(const std::filesystem::path& path, bool replace);
 
 }  // namespace occlod::tiles
