@@ -100,16 +100,18 @@ void add_node_triangles(CLI::App& command, std::uint32_t& node_triangles) {
 }
 
 BuiltHlod build_from_files(const std::vector<std::string>& files, bool streams, const hlod::HlodBuildOptions& options,
-                           Progress& progress) {
+                           Progress& progress, const OnEarth& on_earth) {
   BuiltHlod built;
   if (streams) {
-    const hlod::TriangleSource source = stream_hlod_input(files, progress);
+    hlod::TriangleSource source = stream_hlod_input(files, progress);
+    if (on_earth.system != nullptr) source = brought(std::move(source), *on_earth.system, on_earth.up);
     built.hlod = build_hlod(source, options, built.report, built.nodes_found);
     return built;
   }
   const Stopwatch stopwatch;
-  const CleanMesh input = read_hlod_input(files, progress);
+  CleanMesh input = read_hlod_input(files, progress);
   built.read_ms = stopwatch.milliseconds();
+  if (on_earth.system != nullptr) input = brought(std::move(input), *on_earth.system, on_earth.up, options.threads);
   built.report = input.report;
   built.hlod = build_hlod(input.mesh, options, built.report, built.nodes_found);
   return built;

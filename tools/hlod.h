@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "json_output.h"
+#include "map_system.h"
 #include "occlod/build_hlod.h"
 #include "occlod/hlod.h"
 #include "occlod/mesh.h"
@@ -46,9 +47,16 @@ struct BuiltHlod {
   std::size_t nodes_found = 0;  // in the journal
 };
 
+// Where meshes are brought before anything is built of them.
+struct OnEarth {
+  MapSystem* system = nullptr;    // of their coordinates; null: they stay
+  std::optional<UpAxis> up = {};  // overrules their own
+};
+
 // Builds from all files, read piece by piece if `streams`, as a MemoryLimit needs.
 [[nodiscard]] BuiltHlod build_from_files(const std::vector<std::string>& files, bool streams,
-                                         const hlod::HlodBuildOptions& options, Progress& progress);
+                                         const hlod::HlodBuildOptions& options, Progress& progress,
+                                         const OnEarth& on_earth = {});
 
 // Returns nodes, levels, roots, patches, triangles, stored_triangles, grouping, borders, node_triangles, within and
 // bytes; lattice_step if positions were quantised; and with refinement within nodes splits and within_bytes, which is

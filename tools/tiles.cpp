@@ -13,6 +13,7 @@
 #include "global_options.h"
 #include "hlod.h"
 #include "interrupt.h"
+#include "map_system.h"
 #include "mesh/image_files.h"
 #include "occlod/base.h"
 #include "occlod/node_store.h"
@@ -29,6 +30,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::vector<std::string> inputs;
   TilesetOutput output;
+  std::string crs;  // empty: coordinates are those of no map
   hlod::HlodBuildOptions build = tiles::build_options();
   std::optional<std::size_t> memory;
   ShowProgress progress = ShowProgress::automatic;
@@ -58,7 +60,7 @@ fs::path folder_beside(fs::path output) {
 
 void check(const Options& options, const CLI::App& command) {
   if (is_hlod(options))
-    for (const char* const option : {"--node-triangles", "--memory"})
+    for (const char* const option : {"--node-triangles", "--memory", "--crs"})
       if (command.count(option) > 0)
         throw CLI::ValidationError(option, "goes with meshes only: an .ohlod file is built already");
   refuse_inputs_in(options.output, options.inputs);
@@ -69,6 +71,9 @@ void run(const Options& options) {
   handle_interrupts("tiles");
   Progress progress(options.progress);
   Stopwatch stopwatch;
+  const std::unique_ptr<MapSystem> map =
+      options.crs.empty() ? nullptr : find_map_system(options.crs, options.inputs[0], options.build.threads);
+  TilesetOutput output = options.output;
   std::optional<MemoryLimit> limit;  // ends after what it holds
   if (options.memory) limit.emplace(*options.memory, folder_beside(options.output.path));
   BuiltHlod built;
@@ -83,11 +88,16 @@ void run(const Options& options) {
       progress.show(what, done);
       return true;
     };
-    built = build_from_files(options.inputs, limit.has_value(), build, progress);
+    built = build_from_files(options.inputs, limit.has_value(), build, progress, {map.get(), output.tileset.up});
+  }
+  if (map) {
+    output.tileset.origin = map->place();
+    output.tileset.up = UpAxis::z;
   }
   const double build_ms = stopwatch.restart() - built.read_ms;
   Json result = {{"inputs", options.inputs}};
-  result.update(write_tileset(options.output, built.hlod, folder_of(options.inputs[0]), progress));
+  result.update(write_tileset(output, built.hlod, folder_of(options.inputs[0]), progress));
+  if (map) result.update(map->told());
   if (!limit) result["read_ms"] = built.read_ms;
   if (!is_hlod(options)) result["build_ms"] = build_ms;
   result["write_ms"] = stopwatch.milliseconds();
@@ -104,6 +114,10 @@ void add_tiles(CLI::App& app) {
            "Meshes (.ply, .obj, .off, .stl, .gltf or .glb), a scene (.json), or an .ohlod file of nested groups")
       ->required();
   add_tileset_output(command, options->output);
+  add_name(command, "--crs", options->crs,
+           "The projected system of the input's coordinates, such as EPSG:32633, or EPSG:32633+5773 with heights above "
+           "the sea; else heights are above the WGS84 ellipsoid")
+      ->excludes("--origin");
   add_node_triangles(command, options->build.node_triangles);
   add_memory(command, options->memory, min_build_memory,
              "Stream the input and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files "
