@@ -77,8 +77,7 @@ class Version:
 
     def render(self, scene, *options):
         threads = () if "--threads" in options else ("--threads", "1")
-        if options[:1] == PAPERS_OWN:
-            options = (*self.papers_own, *options[1:])
+        options = [part for option in options for part in (self.papers_own if (option,) == PAPERS_OWN else (option,))]
         return json.loads(self.run(self.occlod, "render", scene, "--json", *options, *threads))
 
 
