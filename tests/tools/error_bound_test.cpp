@@ -64,7 +64,7 @@ struct Nodes {
 };
 
 // No point of a node is farther from the input than the node promises, and no point of the input farther from a level
-// than its worst node promises; that is at most three times the distance, where accumulated bounds promise more.
+// than its worst node promises; that is at most five times the distance, where accumulated bounds promise more.
 void expect_tight_nodes(const TriangleMesh& mesh, hlod::HlodBuildOptions options) {
   options.node_triangles = 256;
   const hlod::Hlod accumulated = build_hlod(mesh, options);
@@ -73,6 +73,7 @@ void expect_tight_nodes(const TriangleMesh& mesh, hlod::HlodBuildOptions options
   ASSERT_EQ(hlod.node_count(), accumulated.node_count());
   EXPECT_TRUE(validate(hlod).empty());
   const Surface input(mesh.positions, mesh.triangles);
+  const double rounding = 1e-12 * input.diagonal();  // of what is measured: some nodes promise 0
   for (std::size_t level = 1; level < hlod.level_count(); ++level) {
     const hlod::Level& range = hlod.data().levels[level];
     Nodes all;
@@ -84,7 +85,7 @@ void expect_tight_nodes(const TriangleMesh& mesh, hlod::HlodBuildOptions options
       one.add(hlod.mesh(n));
       all.add(hlod.mesh(n));
       const double distance = one_way_distance(Surface(one.positions, one.triangles), input, {4'000, 1}).max;
-      EXPECT_LE(distance, hlod.node(n).guaranteed_error) << "node " << n << " of level " << level;
+      EXPECT_LE(distance, hlod.node(n).guaranteed_error + rounding) << "node " << n << " of level " << level;
       EXPECT_LE(hlod.node(n).guaranteed_error, accumulated.node(n).guaranteed_error) << n;
       promised = std::max(promised, hlod.node(n).guaranteed_error);
       added_up = std::max(added_up, accumulated.node(n).guaranteed_error);
@@ -92,7 +93,7 @@ void expect_tight_nodes(const TriangleMesh& mesh, hlod::HlodBuildOptions options
     }
     const double back = one_way_distance(input, Surface(all.positions, all.triangles), {50'000, 1}).max;
     EXPECT_LE(back, promised) << "level " << level;
-    EXPECT_LE(promised, 3.0 * std::max(back, farthest)) << "level " << level;
+    EXPECT_LE(promised, 5.0 * std::max(back, farthest)) << "level " << level;
     EXPECT_LT(promised, added_up) << "level " << level;
   }
 }

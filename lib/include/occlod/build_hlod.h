@@ -28,7 +28,7 @@ struct HlodBuildOptions {
   Grouping grouping = Grouping::shifted;  // how triangles are grouped from level to level
   Borders borders = Borders::locked;      // what happens at the borders of groups; `free` with nested groups only
   Within within = Within::geomorph;       // what is kept for the way from a node to its parent
-  // How Node::guaranteed_error is computed; measured takes about 1.8 times as long. Tilesets are refined by it.
+  // How Node::guaranteed_error is computed; measured takes about twice as long. Tilesets are refined by it.
   ErrorBound error_bound = ErrorBound::accumulated;
   // 0: positions stay as they are; in [8, 23]: they are rounded to a lattice of so many bits for the longest side of
   // the mesh's box, so that files take fewer bytes. What falls together is cleaned.
