@@ -124,6 +124,11 @@ void add_hlod_build(CLI::App& hlod) {
              {{"geomorph", hlod::Within::geomorph}, {"splits", hlod::Within::splits}},
              "geomorph: vertices can slide to the coarser level; splits: also keep each node's collapses, so that its "
              "error can be anything between two levels, for about twice the bytes");
+  add_choice(
+      command, "--error-bound", options->build.error_bound,
+      {{"accumulated", ErrorBound::accumulated}, {"measured", ErrorBound::measured}},
+      "Guaranteed errors, by which tilesets are refined: accumulated (loose) or measured (tight, about twice the "
+      "build time)");
   command
       .add_option_function<int>(
           "--quantise",

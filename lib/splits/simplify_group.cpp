@@ -95,12 +95,19 @@ std::vector<float> errors_of(std::span<Collapse* const> collapses, const BlockRe
   return errors;
 }
 
+// Returns a bound on the distance of a face from the input: each corner has that of its worst face so far.
+float bound_of(const SimplifyState& state, const Triangle& t) {
+  const float error = std::min({state.records[t.x].error, state.records[t.y].error, state.records[t.z].error});
+  return scaled_up(error, (1.0F + 1e-5F) / state.scale);
+}
+
 // Lists the remaining faces.
 void list_faces(const SimplifyState& state, bool has_seams, GroupWedges& wedges, SimplifiedGroup& result) {
   std::vector<StarFace> before;  // earlier faces at the same vertex
   VertexId v = no_id;
   for (const LevelFace& face : state.mesh.faces()) {
     result.triangles.push_back(face.corners);
+    result.bounds.push_back(face.made_by == no_id ? 0.0F : bound_of(state, face.corners));
     if (!has_seams) continue;
     if (face.corners.x != v) before.clear();
     v = face.corners.x;

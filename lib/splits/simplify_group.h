@@ -44,6 +44,7 @@ struct SimplifiedGroup {
   std::vector<WedgeId> merged_into;  // per wedge: the wedge it ended up in; itself if not merged
   float error = 0.0F;                // largest error of a collapse, object units: quadric error or attribute deviation
   float guaranteed_error = 0.0F;     // bound on the distance of every remaining triangle from the input, object units
+  std::vector<float> bounds;         // per triangle: no point of it is farther from the input, object units
   float cost = 0.0F;                 // of the most expensive collapse, for GroupTarget::max_cost
   // Lists collapses by descending error, each before those on which it depends: the others stay valid without the first
   // k. Filled only on request, and empty where corners with one wedge went to several: no such list could undo that.

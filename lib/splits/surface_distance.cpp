@@ -92,13 +92,20 @@ class WalledFace {
 // Measures the faces of one range.
 class FaceMeasurer {
  public:
-  FaceMeasurer(const SurfaceTree& to, double limit) : to_(to), limit_(limit), limit2_(limit * limit) {}
+  FaceMeasurer(const SurfaceTree& to, double limit, int most_pieces = std::numeric_limits<int>::max())
+      : to_(to), limit_(limit), limit2_(limit * limit), most_pieces_(most_pieces) {}
+
+  void set_limit(double limit) {
+    limit_ = limit;
+    limit2_ = limit * limit;
+  }
 
   // Returns a face of the other surface near the point of the triangle that is too far, if there is one.
   std::optional<std::uint32_t> beyond(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     pieces_.clear();
     add_triangle(a, b, c);
-    while (!pieces_.empty()) {
+    for (int tried = 0; !pieces_.empty(); ++tried) {
+      if (tried == most_pieces_) return near_;
       const Piece piece = pieces_.back();
       pieces_.pop_back();
       if (!measure(piece)) return near_;
@@ -222,6 +229,7 @@ class FaceMeasurer {
 
   const SurfaceTree& to_;
   double limit_, limit2_;
+  int most_pieces_;
   std::uint32_t near_ = no_id;  // the face that was found last
   std::vector<Piece> pieces_;
 };
@@ -323,6 +331,20 @@ std::optional<std::vector<FarFace>> faces_beyond(double limit, std::size_t most,
   std::vector<FarFace> result;
   for (const std::vector<FarFace>& part : parts) result.insert(result.end(), part.begin(), part.end());
   return result;
+}
+
+double limit_of(const SurfaceView& from, std::span<const DoubtfulFace> doubtful, const SurfaceTree& to, double limit,
+                double most) {
+  constexpr int most_pieces = 256;  // what needs more is taken for far, for now
+  FaceMeasurer measurer(to, limit, most_pieces);
+  for (const DoubtfulFace& d : doubtful) {
+    const Triangle& t = from.faces[d.face];
+    while (limit < std::min(d.bound, most) &&
+           measurer.beyond(from.positions[t.x], from.positions[t.y], from.positions[t.z]))
+      measurer.set_limit(limit *= 1.1);
+    if (limit >= most) return most;
+  }
+  return limit;
 }
 
 double farthest_vertex(const SurfaceView& from, const SurfaceTree& to, unsigned threads) {

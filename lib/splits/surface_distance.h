@@ -69,4 +69,15 @@ struct FarFace {
 // threads.
 [[nodiscard]] double farthest_vertex(const SurfaceView& from, const SurfaceTree& to, unsigned threads);
 
+// A face of which it is not known whether all of it is near, and a distance that none of its points exceeds.
+struct DoubtfulFace {
+  std::uint32_t face = no_id;
+  double bound = std::numeric_limits<double>::infinity();
+};
+
+// Raises `limit` (> 0) in steps of a tenth until no point of the doubtful faces is farther from the surface of the
+// tree, as their bounds have it or as measured; ends at `most`, which no point exceeds.
+[[nodiscard]] double limit_of(const SurfaceView& from, std::span<const DoubtfulFace> doubtful, const SurfaceTree& to,
+                              double limit, double most);
+
 }  // namespace occlod

@@ -1,4 +1,4 @@
-// What hierarchies promise (SplitNode::guaranteed_error) against distances that CGAL's tree measures.
+// What hierarchies and HLODs promise (guaranteed_error) against distances that CGAL's tree measures.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,6 +6,7 @@
 
 #include "measure/surface_distance.h"
 #include "occlod/build_hierarchy.h"
+#include "occlod/build_hlod.h"
 #include "occlod/generate.h"
 #include "occlod/mesh_file.h"
 #include "support/test_meshes.h"
@@ -48,6 +49,65 @@ INSTANTIATE_TEST_SUITE_P(Scans, ErrorBoundOfScan,
                          testing::Values("scans/armadillo_100k.obj", "scans/bun_zipper.ply",
                                          "scans/dragon_vrip_res3.ply", "scans/fandisk.obj", "scans/gargo.ply",
                                          "scans/horse.ply"));
+
+// The meshes of nodes, one after the other.
+struct Nodes {
+  std::vector<glm::vec3> positions;
+  std::vector<Triangle> triangles;
+
+  void add(const hlod::NodeMesh& mesh) {
+    const auto first = static_cast<VertexId>(positions.size());
+    positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
+      triangles.push_back(Triangle(mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]) + first);
+  }
+};
+
+// No point of a node is farther from the input than the node promises, and no point of the input farther from a level
+// than its worst node promises; that is at most five times the distance, where accumulated bounds promise more.
+void expect_tight_nodes(const TriangleMesh& mesh, hlod::HlodBuildOptions options) {
+  options.node_triangles = 256;
+  const hlod::Hlod accumulated = build_hlod(mesh, options);
+  options.error_bound = ErrorBound::measured;
+  const hlod::Hlod hlod = build_hlod(mesh, options);
+  ASSERT_EQ(hlod.node_count(), accumulated.node_count());
+  EXPECT_TRUE(validate(hlod).empty());
+  const Surface input(mesh.positions, mesh.triangles);
+  const double rounding = 1e-12 * input.diagonal();  // of what is measured: some nodes promise 0
+  for (std::size_t level = 1; level < hlod.level_count(); ++level) {
+    const hlod::Level& range = hlod.data().levels[level];
+    Nodes all;
+    float promised = 0.0F, added_up = 0.0F;
+    double farthest = 0.0;
+    for (hlod::NodeId n = range.first_node; n < range.first_node + range.node_count; ++n) {
+      if (hlod.node(n).triangles == 0) continue;
+      Nodes one;
+      one.add(hlod.mesh(n));
+      all.add(hlod.mesh(n));
+      const double distance = one_way_distance(Surface(one.positions, one.triangles), input, {4'000, 1}).max;
+      EXPECT_LE(distance, hlod.node(n).guaranteed_error + rounding) << "node " << n << " of level " << level;
+      EXPECT_LE(hlod.node(n).guaranteed_error, accumulated.node(n).guaranteed_error) << n;
+      promised = std::max(promised, hlod.node(n).guaranteed_error);
+      added_up = std::max(added_up, accumulated.node(n).guaranteed_error);
+      farthest = std::max(farthest, distance);
+    }
+    const double back = one_way_distance(input, Surface(all.positions, all.triangles), {50'000, 1}).max;
+    EXPECT_LE(back, promised) << "level " << level;
+    EXPECT_LE(promised, 5.0 * std::max(back, farthest)) << "level " << level;
+    EXPECT_LT(promised, added_up) << "level " << level;
+  }
+}
+
+TEST(ErrorBound, OfNodesIsTightOnAPlanet) {
+  const TriangleMesh planet = generate("rough-planet", {{"level", 6}});
+  expect_tight_nodes(planet, {});
+  expect_tight_nodes(planet, {.grouping = hlod::Grouping::nested, .borders = hlod::Borders::free});
+}
+
+TEST_P(ErrorBoundOfScan, OfNodesIsTight) {
+  OCCLOD_FIND_TEST_MESH_OR_SKIP(path, GetParam());
+  expect_tight_nodes(read_mesh(path).mesh, {.grouping = hlod::Grouping::nested, .borders = hlod::Borders::free});
+}
 
 }  // namespace
 }  // namespace occlod::measure

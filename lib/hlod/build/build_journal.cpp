@@ -23,6 +23,7 @@ constexpr std::array<char, 8> magic = {'O', 'C', 'C', 'L', 'O', 'D', 'H', 'J'};
 constexpr const char* grouping_names[] = {"nested", "shifted"};
 constexpr const char* borders_names[] = {"free", "locked"};
 constexpr const char* within_names[] = {"geomorph", "splits"};
+constexpr const char* error_bound_names[] = {"accumulated", "measured"};
 
 template <typename T>
 std::span<const std::byte> bytes_of(const T& value) {
@@ -110,7 +111,8 @@ BuildJournal::BuildJournal(std::filesystem::path path, const HlodBuildOptions& o
   wanted_.node_triangles = options.node_triangles;
   wanted_.grouping = static_cast<std::uint32_t>(options.grouping);
   wanted_.borders = static_cast<std::uint32_t>(options.borders);
-  wanted_.within = static_cast<std::uint32_t>(options.within);
+  wanted_.within = static_cast<std::uint16_t>(options.within);
+  wanted_.error_bound = static_cast<std::uint16_t>(options.error_bound);
   if (std::error_code ignored; std::filesystem::exists(path_, ignored)) open();
 }
 
@@ -157,6 +159,7 @@ void BuildJournal::check(const Header& found) const {
   compare("grouping", name(grouping_names, found.grouping), name(grouping_names, wanted_.grouping));
   compare("borders", name(borders_names, found.borders), name(borders_names, wanted_.borders));
   compare("within", name(within_names, found.within), name(within_names, wanted_.within));
+  compare("error_bound", name(error_bound_names, found.error_bound), name(error_bound_names, wanted_.error_bound));
 }
 
 void BuildJournal::begin(const WedgeMesh& mesh) {

@@ -48,7 +48,8 @@ class BuildJournal {
   struct Header {
     std::array<char, 8> magic{};
     std::array<char, 64> builder{};  // hash of all sources that decide the contents of the records
-    std::uint32_t node_triangles = 0, grouping = 0, borders = 0, within = 0;
+    std::uint32_t node_triangles = 0, grouping = 0, borders = 0;
+    std::uint16_t within = 0, error_bound = 0;
     double boundary_weight = build_weights.boundary, attribute_weight = build_weights.attributes;
     std::uint64_t mesh = 0;      // XXH3-64 of the mesh's arrays
     std::uint64_t checksum = 0;  // XXH3-64 of all fields before this one

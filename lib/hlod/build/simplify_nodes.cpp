@@ -11,6 +11,7 @@
 #include "hlod/build/finish_level.h"
 #include "hlod/build/group_triangles.h"
 #include "hlod/build/level_draft.h"
+#include "splits/group_error.h"
 #include "splits/positions.h"
 #include "splits/simplify_group.h"
 
@@ -40,7 +41,8 @@ class NodeSimplifier::Worker {
     const SimplifiedGroup simplified = simplify(max_cost, min_triangles);
     SimplifiedNode result;
     result.error = simplified.error;
-    result.guaranteed_error = simplified.guaranteed_error;
+    result.guaranteed_error = all_.options_.error_bound == ErrorBound::measured ? measured_error(input_, simplified)
+                                                                                : simplified.guaranteed_error;
     result.box = box();
     for (const Triangle& t : simplified.triangles) result.triangles.push_back(global(t, vertices_.vertices()));
     for (const AddedWedge& added : simplified.added) {

@@ -190,6 +190,7 @@ hlod::HlodBuildOptions build_options() {
   hlod::HlodBuildOptions options;
   options.grouping = hlod::Grouping::nested;
   options.borders = hlod::Borders::free;
+  options.error_bound = ErrorBound::measured;
   return options;
 }
 
