@@ -9,6 +9,7 @@ from typing import Literal
 
 from ._occlod import (
     Borders,
+    ErrorBound,
     Grouping,
     Hlod,
     Mesh,
@@ -71,6 +72,7 @@ def write_tiles(
             node_triangles=node_triangles,
             grouping=Grouping.nested,
             borders=Borders.free,
+            error_bound=ErrorBound.measured,
             threads=threads,
             progress=progress and (lambda done: progress(0.8 * done)),
         )

@@ -32,7 +32,7 @@ class Tiles(unittest.TestCase):
         mesh.write(self.folder / "a.ply")
         (self.folder / "a.json").write_text('{"objects": [{"mesh": "a.ply"}, {"mesh": "a.ply", "position": [3, 0, 0]}],'
                                             ' "cameras": {"default": {"eye": [0, 0, 4], "target": [0, 0, 0]}}}')
-        hlod = occlod.build_hlod(mesh, grouping=occlod.Grouping.nested, borders=occlod.Borders.free)
+        hlod = occlod.build_hlod(mesh, grouping=occlod.Grouping.nested, borders=occlod.Borders.free, error_bound=occlod.ErrorBound.measured)
         hlod.write(self.folder / "a.ohlod")
         plain = self.by_the_tool("a.ply")
         for number, what in enumerate((mesh, hlod, self.folder / "a.ply", str(self.folder / "a.ohlod"))):
