@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <ranges>
+#include <span>
 
 #include "occlod/build_hierarchy.h"
 #include "splits/star.h"
@@ -67,11 +67,11 @@ namespace {
 // Adds `more` to what is in the order of its keys already. Takes least where `more` is as well, as the file has it.
 template <typename Value, typename Key>
 void merge(const std::vector<Value>& more, std::vector<Value>& into, const Key& key) {
-  const auto middle = static_cast<std::ptrdiff_t>(into.size());
+  const std::size_t before = into.size();
   into.insert(into.end(), more.begin(), more.end());
-  const auto added = std::ranges::subrange(into.begin() + middle, into.end());
+  const std::span<Value> added = std::span(into).subspan(before);
   if (!std::ranges::is_sorted(added, {}, key)) std::ranges::sort(added, {}, key);
-  std::ranges::inplace_merge(into, into.begin() + middle, {}, key);
+  std::ranges::inplace_merge(into, into.begin() + static_cast<std::ptrdiff_t>(before), {}, key);
 }
 
 }  // namespace
