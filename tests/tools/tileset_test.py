@@ -260,7 +260,7 @@ class OneCommand(ToolTest):
     def assert_as_by_two(self, inputs, build=(), export=()):
         """Returns what the one command has told."""
         told = self.json_of("tiles", *inputs, "-o", "one", "--replace", *build, *export)
-        self.succeed("hlod", "build", *inputs, "-o", "two.ohlod", "--grouping", "nested", "--borders", "free", *build)
+        self.succeed("hlod", "build", *inputs, "-o", "two.ohlod", "--grouping", "nested", "--borders", "free", "--error-bound", "measured", *build)
         self.succeed("tiles", "two.ohlod", "-o", "two", "--replace", *export)
         self.assertEqual(self.files_of("one"), self.files_of("two"))
         self.assertEqual(told["tiles"], tileset_check.check(self.folder / "one")["contents"])
