@@ -100,6 +100,11 @@ class Markdown(unittest.TestCase):
                         if not re.search(rf"\({program}\s+[\w./]+\.cpp", build_files)]
         self.assertEqual(missing, [])
 
+    def test_no_merge_was_left_unfinished(self):
+        found = [f"{path.relative_to(ROOT)}:{number}" for path in markdown_files()
+                 for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1) if line.startswith(("<<<<<<< ", ">>>>>>> "))]
+        self.assertEqual(found, [])
+
     def test_documents_stay_short(self):
         self.assertLessEqual(len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()), MAX_README_LINES)
         words = sum(len(path.read_text(encoding="utf-8").split()) for path in markdown_files())
