@@ -32,7 +32,7 @@ FullMeshPicture::FullMeshPicture(const std::vector<LoadedObject>& objects, const
     triangles.push_back(wedge_triangles_of(*object.hierarchy, full_cut(*object.hierarchy)));
     full.push_back(draw_object(object, triangles.back()));
   }
-  redraw(items_, full, view);
+  draw_items(items_, full, view);
   image_ = shade_without_wire(items_, full, view, textures_);
   if (!coordinates_.empty()) texels_ = find_texels(items_, full, view, coordinates_);
 }
@@ -56,14 +56,14 @@ void WronglyHidden::set_view(const View& view, const RefineOptions& options) {
   NoOcclusion none;
   const Refinement& refinement = reference_refiner_.refine(view, to_one_pixel(options, refiner_), none);
   drawn_ = draw_objects(objects_, refinement);
-  redraw(without_, drawn_, view);
+  draw_items(without_, drawn_, view);
   reference_error_px_ = refinement.stats.max_error_px;
 }
 
 std::size_t WronglyHidden::count(const RefineOptions& options, Visibility& visibility) {
   if (!visibility.can_hide()) return 0;
   const Refinement& refinement = refiner_.refine(*view_, to_one_pixel(options, refiner_), visibility);
-  redraw(with_, draw_objects(objects_, refinement), *view_);
+  draw_items(with_, draw_objects(objects_, refinement), *view_);
   allowed_px_ = reference_error_px_ + refinement.stats.max_error_px;
   return count_unexplained_pixels(*view_, without_.depth, with_.depth, allowed_px_);
 }

@@ -38,9 +38,4 @@ std::vector<ObjectTexture> texture_coordinates(const std::vector<LoadedObject>& 
   return result;
 }
 
-void redraw(ItemBuffer& items, std::span<const DrawObject> objects, const View& view) {
-  items.reset(view.width(), view.height());
-  draw_items(items, objects, view);
-}
-
 }  // namespace occlod::tool

@@ -27,7 +27,4 @@ namespace occlod::tool {
 // texture coordinates. They point into the hierarchies.
 [[nodiscard]] std::vector<ObjectTexture> texture_coordinates(const std::vector<LoadedObject>& objects);
 
-// Empties the buffer and draws all objects.
-void redraw(ItemBuffer& items, std::span<const DrawObject> objects, const View& view);
-
 }  // namespace occlod::tool

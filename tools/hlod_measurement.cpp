@@ -22,7 +22,7 @@ void HlodMeasurement::repeat(const View& view) {
   traverse_ms_.push_back(frame.times.cpu_ms - frame.times.gpu_ms);
 
   const Stopwatch drawing;
-  redraw(items_, mesh_.objects(), view);
+  draw_items(items_, mesh_.objects(), view);
   draw_ms_.push_back(drawing.milliseconds());
 }
 

@@ -44,9 +44,9 @@ double depth_complexity(const Front& input, std::span<const DrawObject> objects,
   return covered > 0 ? layers * view.width() * view.height() / static_cast<double>(covered) : 0.0;
 }
 
-// Draws as redraw() does, but for what is beyond the far plane, which our rasteriser draws in perspective.
+// Draws as draw_items() does, but for what is beyond the far plane, which our rasteriser draws in perspective.
 void redraw_to_far_plane(ItemBuffer& items, std::span<const DrawObject> objects, const View& view) {
-  redraw(items, objects, view);
+  draw_items(items, objects, view);
   for (std::size_t i = 0; i < items.items.size(); ++i) {
     float& nearness = items.depth.nearness[i];
     if (items.items[i] == no_item || view.distance_at(nearness) <= view.camera().far) continue;

@@ -57,7 +57,7 @@ void write_picture(const Options& options, const HlodScene& scene, const HlodTex
   FrontMesh mesh;
   mesh.assign(front, scene.placed);
   ItemBuffer items;
-  redraw(items, mesh.objects(), view);
+  draw_items(items, mesh.objects(), view);
   write_png(picture_file(options.png, scene.path.frames, frame),
             shade_without_wire(items, mesh.objects(), view, mesh.textures(textures.materials())));
 }

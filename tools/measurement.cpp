@@ -29,13 +29,13 @@ void Measurement::begin() {
 void Measurement::repeat(const View& view, const RefineOptions& options, Visibility& visibility) {
   take(following_ == Following::frame_to_frame ? refiner_.update(view, options, visibility)
                                                : refiner_.refine(view, options, visibility));
-  draw(view, following_ == Following::frame_to_frame && options.geomorph_frames > 0);
+  draw(view, options);
 }
 
 void Measurement::repeat(const View& view, const RefineOptions& options, AutoRefiner& refiner) {
   take(following_ == Following::frame_to_frame ? refiner.update(view, options) : refiner.refine(view, options));
   refine_ms_.back() += refiner.report().look_ms;
-  draw(view, following_ == Following::frame_to_frame && options.geomorph_frames > 0);
+  draw(view, options);
 }
 
 void Measurement::take(const Refinement& refinement) {
@@ -44,16 +44,17 @@ void Measurement::take(const Refinement& refinement) {
   occlusion_ms_.push_back(refinement.stats.occlusion_ms);
 }
 
-void Measurement::draw(const View& view, bool morph) {
+void Measurement::draw(const View& view, const RefineOptions& options) {
   drawn_ = draw_objects(objects_, *refinement_);
-  if (morph && morphed_.empty())
+  const bool morphs = following_ == Following::frame_to_frame && options.geomorph_frames > 0;
+  if (morphs && morphed_.empty())
     for (const DrawObject& object : drawn_) morphed_.emplace_back(object.positions);
   const Stopwatch stopwatch;
   for (std::size_t i = 0; i < morphed_.size(); ++i) {
     morphed_[i].update(refinement_->objects[i].geomorphs);
     drawn_[i].positions = morphed_[i].positions();
   }
-  redraw(items_, drawn_, view);
+  draw_items(items_, drawn_, view, options.threads);
   draw_ms_.push_back(stopwatch.milliseconds());
 }
 

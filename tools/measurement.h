@@ -45,7 +45,7 @@ class Measurement {
 
  private:
   void take(const Refinement& refinement);
-  void draw(const View& view, bool morph);
+  void draw(const View& view, const RefineOptions& options);
 
   const std::vector<LoadedObject>& objects_;
   Following following_;

@@ -71,7 +71,7 @@ void SettingRun::next(const View& view) {
 
 void SettingRun::next(const View& view, const tool::FullMeshPicture& full) {
   ItemBuffer before;
-  tool::redraw(before, measurement_.objects(), view);
+  draw_items(before, measurement_.objects(), view);
   next(view);
   const PictureDistance distance = full.distance_to(measurement_.items(), measurement_.objects());
   const double largest_px = largest_motion_px(view, full.items().depth, measurement_.items().depth);

@@ -39,7 +39,7 @@ bool is_roofed(std::span<const DrawObject> objects, const Camera& camera) {
   upwards.fov_y_deg = 1.0;
   upwards.width = upwards.height = 1;
   ItemBuffer items;
-  tool::redraw(items, objects, View(upwards));
+  draw_items(items, objects, View(upwards));
   return items.items[0] != no_item;
 }
 

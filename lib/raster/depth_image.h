@@ -5,12 +5,22 @@
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <span>
 
 #include "occlod/item_buffer.h"
 #include "occlod/mesh.h"
 
 namespace occlod {
+
+// The rows [first, end), all by default. What is drawn of a triangle in one range of rows and in another is what would
+// be drawn in both at once, to the bit.
+struct RowRange {
+  int first = 0;
+  int end = std::numeric_limits<int>::max();
+
+  [[nodiscard]] bool meets(const RowRange& other) const noexcept { return first < other.end && other.first < end; }
+};
 
 // Pixels as in a DepthBuffer, with row y at nearness + y * stride. A stride that is a multiple of 1024 makes drawing a
 // third slower, because the pixels of a column then map to the same cache set.
@@ -19,6 +29,7 @@ struct DepthImage {
   int width = 0;
   int height = 0;
   std::ptrdiff_t stride = 0;  // >= width
+  RowRange rows = {};         // that may be drawn
 };
 
 // The pixels [x0, x1) x [y0, y1).

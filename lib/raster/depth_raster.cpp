@@ -267,10 +267,15 @@ HWY_INLINE std::int32_t draw_columns(const SetupBatch& setup, std::size_t i, std
   const PixelVec per_row = hn::Set(d, setup.per_row[i]);
   const PixelVec smallest = hn::Set(d, setup.smallest[i]);
   const PixelVec largest = hn::Set(d, setup.largest[i]);
-  PixelVec row = hn::Zero(d);
+  const std::int32_t first_row = HWY_MAX(setup.first_row[i], target.rows.first);
+  const std::int32_t skipped = first_row - setup.first_row[i];
+  e0.value = hn::Add(e0.value, hn::Mul(e0.step_row, hn::Set(PixelInts(), skipped)));
+  e1.value = hn::Add(e1.value, hn::Mul(e1.step_row, hn::Set(PixelInts(), skipped)));
+  e2.value = hn::Add(e2.value, hn::Mul(e2.step_row, hn::Set(PixelInts(), skipped)));
+  PixelVec row = hn::Set(d, static_cast<float>(skipped));
   const std::ptrdiff_t stride = target.stride;
-  float* depth = target.nearness + setup.first_row[i] * stride + x;
-  const std::int32_t rows = setup.end_row[i] - setup.first_row[i];
+  float* depth = target.nearness + first_row * stride + x;
+  const std::int32_t rows = HWY_MIN(setup.end_row[i], target.rows.end) - first_row;
   FragmentCount count(hn::Sub(columns, hn::Set(PixelInts(), first - setup.first_column[i])));
   for (std::int32_t y = 0; y < rows; ++y) {
     const PixelVec z = hn::Add(on_first_row, hn::Mul(per_row, row));
@@ -290,6 +295,7 @@ HWY_INLINE std::int32_t draw_columns(const SetupBatch& setup, std::size_t i, std
 template <bool counts>
 HWY_INLINE std::int32_t draw_small(const SetupBatch& setup, std::size_t i, const DepthImage& target) {
   std::int32_t fragments = 0;
+  if (!target.rows.meets({setup.first_row[i], setup.end_row[i]})) return fragments;
   for (std::int32_t x = setup.first_column[i]; x < setup.end_column[i]; x += block)
     fragments += draw_columns<counts>(setup, i, HWY_MIN(x, target.width - block), x, target);
   return fragments;
@@ -322,7 +328,7 @@ HWY_INLINE std::int32_t draw_large(const TriangleBatch& batch, std::size_t i, co
   if (!set_up(batch.screen_vertex(0, i), batch.screen_vertex(1, i), batch.screen_vertex(2, i), target.width,
               target.height, setup))
     return fragments;
-  scan(setup, target.width, [&](std::int32_t y, std::int32_t begin, std::int32_t end) HWY_ATTR {
+  scan(setup, target.width, target.rows, [&](std::int32_t y, std::int32_t begin, std::int32_t end) HWY_ATTR {
     float* row = target.nearness + y * target.stride;
     fragments += end - begin;
     for (std::int32_t from = begin; from < end;) {

@@ -223,10 +223,12 @@ void scan_rows(EdgeWalk left, EdgeWalk right, std::int32_t row, std::int32_t end
   }
 }
 
-// Calls span(row, first column, end column) for every row that has pixels.
+// Calls span(row, first column, end column) for every row of `rows` that has pixels.
 template <class Span>
-void scan(const TriangleSetup& t, int width, Span&& span) {
-  const auto half = [&](const ScreenVertex& p, const ScreenVertex& q, std::int32_t row, std::int32_t end_row) {
+void scan(const TriangleSetup& t, int width, const RowRange& rows, Span&& span) {
+  const auto half = [&](const ScreenVertex& p, const ScreenVertex& q, std::int32_t first_row, std::int32_t end_row) {
+    const std::int32_t row = std::max(first_row, rows.first);
+    end_row = std::min(end_row, rows.end);
     if (row >= end_row) return;
     const EdgeWalk long_edge(t.top, t.bottom, row);
     const EdgeWalk short_edge(p, q, row);

@@ -22,6 +22,7 @@
 #include "occlod/visibility.h"
 #include "raster/depth_kernels.h"
 #include "raster/depth_pyramid.h"
+#include "raster/draw_bands.h"
 #include "raster/screen_bounds.h"
 
 namespace occlod {
@@ -132,6 +133,8 @@ class DepthOcclusion final : public SoftwareOcclusion {
   [[nodiscard]] std::string_view name() const noexcept override { return "software"; }
   [[nodiscard]] bool has_picture() const noexcept override { return picture_shown_; }
 
+  void set_threads(unsigned threads) override { threads_ = threads; }
+
   void begin_view(const View& view, std::span<const ObjectView> objects) override {
     next_view_ = view;
     next_objects_.assign(objects.begin(), objects.end());
@@ -172,11 +175,10 @@ class DepthOcclusion final : public SoftwareOcclusion {
     const bool goes_on = epochs_.begin(*view_, objects_);
     set_scale(epochs_.scale(), epochs_.least());
     const DepthImage image = pyramid_.begin(view_->width(), view_->height(), !goes_on);
-    PixelRect drawn;
+    parts_.clear();
     for (const OccluderPart& part : parts)
-      drawn = united(drawn, draw_depth(image, part.positions, part.triangles,
-                                       objects_[part.object].object_to_clip() / nearness_scale_));
-    pyramid_.finish(drawn);
+      parts_.push_back({part.positions, part.triangles, objects_[part.object].object_to_clip() / nearness_scale_, 0});
+    pyramid_.finish(drawing_.draw_depth(image, parts_, threads_));
     levels_ = pyramid_.levels();
     occluder_drawn_ = true;
   }
@@ -385,6 +387,9 @@ class DepthOcclusion final : public SoftwareOcclusion {
   std::vector<BoundsView> bounds_views_;
   DepthEpochs epochs_;
   float nearness_scale_ = 1.0F, min_nearness_ = 0.0F;  // of the current picture, see DepthEpochs
+  unsigned threads_ = 1;
+  raster::BandDrawing drawing_;
+  std::vector<raster::DrawPart> parts_;  // scratch
   DepthPyramid pyramid_;
   DepthPyramid::Levels levels_;
   bool occluder_drawn_ = false;

@@ -5,6 +5,8 @@
 
 namespace occlod {
 
+void Visibility::set_threads(unsigned /*threads*/) {}
+
 void Visibility::find_visible_points(std::uint32_t /*object*/, std::span<const glm::vec3> points,
                                      std::span<std::uint8_t> visible) {
   assert(visible.size() >= points.size());

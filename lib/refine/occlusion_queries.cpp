@@ -46,6 +46,7 @@ void OcclusionQueries::begin(Visibility& visibility, const QueriedScene& scene) 
   scene_ = scene;
   counts_ = {};
   const Clock::time_point start = Clock::now();
+  visibility_->set_threads(scene.threads);
   visibility_->begin_view(*scene.view, scene.views);
   can_hide_ = visibility_->can_hide();
   flight_ = visibility_->flight();

@@ -8,6 +8,10 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
+#include <vector>
+
+#include "base/threads.h"
+#include "raster/draw_bands.h"
 
 namespace occlod {
 
@@ -36,12 +40,14 @@ std::array<glm::dvec3, 3> world_corners(const ItemTable::Owner& owner) {
 
 }  // namespace picture
 
-void draw_items(ItemBuffer& target, std::span<const DrawObject> objects, const View& view) {
+void draw_items(ItemBuffer& target, std::span<const DrawObject> objects, const View& view, int threads) {
   const picture::ItemTable table(objects);
   target.reset(view.width(), view.height());
+  std::vector<raster::DrawPart> parts;
   for (std::size_t i = 0; i < objects.size(); ++i)
-    draw_items(target, objects[i].positions, objects[i].triangles,
-               ObjectView(view, objects[i].object_to_world).object_to_clip(), table.first_item(i));
+    parts.push_back({objects[i].positions, objects[i].triangles,
+                     ObjectView(view, objects[i].object_to_world).object_to_clip(), table.first_item(i)});
+  raster::BandDrawing().draw_items(target, parts, thread_count(threads));
 }
 
 }  // namespace occlod

@@ -87,8 +87,9 @@ struct DrawObject {
 };
 
 // Resets the target to the view's size and draws all objects. Triangle i of object k owns its pixels as item (number of
-// triangles of the objects before k) + i. O(triangles + pixels covered).
-void draw_items(ItemBuffer& target, std::span<const DrawObject> objects, const View& view);
+// triangles of the objects before k) + i. `threads`: how many to use, 0: one for each core; the picture does not depend
+// on it. O(triangles + pixels covered).
+void draw_items(ItemBuffer& target, std::span<const DrawObject> objects, const View& view, int threads = 0);
 
 // Options of shade().
 struct ShadeOptions {

@@ -58,6 +58,9 @@ class Visibility {
   // False by default.
   [[nodiscard]] virtual bool has_picture() const noexcept { return false; }
 
+  // Says on how many threads the backend may draw from now on, at least 1; at first 1. For backends that draw on the
+  // CPU; the others ignore it.
+  virtual void set_threads(unsigned threads);
   // Starts a view and forgets the occluder and every unanswered query of the previous one. objects[i] is the view of
   // object i; the span need only stay valid during the call.
   virtual void begin_view(const View& view, std::span<const ObjectView> objects) = 0;
