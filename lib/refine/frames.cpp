@@ -172,7 +172,8 @@ void SplitExchange::begin_frame(std::uint32_t frame, Clock::time_point start, Re
   frame_ = frame;
   start_ = start;
   stats_ = &stats;
-  changes_ = 0;
+  changes_before_ = std::exchange(changes_, 0);
+  next_ahead_ = candidates_at_once();
   rejected_ = {};
   settling_level_ /= settling_step_;
   settling_step_ *= settling_growth;
@@ -198,13 +199,17 @@ void SplitExchange::run_on(std::span<const Entry> shown) {
   if (!candidates_.empty()) exchange();
 }
 
-void SplitExchange::enqueue_visit(std::uint32_t object, Front::Index k) {
+std::optional<Entry> SplitExchange::visit_of(std::uint32_t object, Front::Index k) const {
   const Front& front = evaluation_.front(object);
   const ScreenError error = front.error_at_most(k);
-  if (error.quadric_px > 0.0F && !front.is(k, Front::subtree_hidden) &&
-      !error.is_within(evaluation_.scene().options->tolerance_px))
-    candidates_.push(
-        {error.quadric_px, error, front.node(k).split, object, front.node(k).level, 0, Entry::Kind::visit});
+  if (!(error.quadric_px > 0.0F) || front.is(k, Front::subtree_hidden) ||
+      error.is_within(evaluation_.scene().options->tolerance_px))
+    return std::nullopt;
+  return Entry{error.quadric_px, error, front.node(k).split, object, front.node(k).level, 0, Entry::Kind::visit};
+}
+
+void SplitExchange::enqueue_visit(std::uint32_t object, Front::Index k) {
+  if (const std::optional<Entry> entry = visit_of(object, k)) candidates_.push(*entry);
 }
 
 void SplitExchange::exchange() {
@@ -223,18 +228,17 @@ void SplitExchange::exchange() {
       return;
     }
     if (limit_reached()) break;
-    Entry entry = candidates_.pop();
-    ++stats_->visits;
-    if (queries_.is_hidden(entry)) continue;
-    if (entry.kind == Entry::Kind::visit) {
-      descend(entry);
-    } else if (!apply_split(evaluation_.scene(), entry, *this)) {
-      // Later candidates matter less and take no room from leaves either: they can only use what is left.
-      level_ = std::max(level_, entry.priority);
-      ++stats_->rejected_splits;
-      rejected_.include(entry.error);
-      if (++rejections == max_rejections || cuts.triangle_count() + min_gain > budget) return;
+    if (!is_looked_at(candidates_.top())) {
+      look_ahead();
+      continue;
     }
+    Entry entry = candidates_.pop();
+    if (apply_split(evaluation_.scene(), entry, *this)) continue;
+    // Later candidates matter less and take no room from leaves either: they can only use what is left.
+    level_ = std::max(level_, entry.priority);
+    ++stats_->rejected_splits;
+    rejected_.include(entry.error);
+    if (++rejections == max_rejections || cuts.triangle_count() + min_gain > budget) return;
   }
   stats_->pending = !candidates_.empty();
   if (stats_->pending) level_ = std::max(level_, candidates_.top().priority);
@@ -387,20 +391,16 @@ bool SplitExchange::limit_reached() const {
   return options->time_limit_ms > 0.0 && milliseconds_since(start_) >= options->time_limit_ms;
 }
 
-void SplitExchange::descend(const Entry& entry) {
-  const std::uint32_t i = entry.object;
-  for (const Front::Index k : forest_.descend(i, entry.split)) enqueue_visit(i, k);
-  const Front& front = evaluation_.front(i);
-  const Front::Index k = front.find(entry.split);
-  if (!front.is(k, Front::applied)) enqueue_split(i, k);
+// Returns an entry for the split of a reached node if it is worth anything.
+std::optional<Entry> SplitExchange::split_of(std::uint32_t object, Front::Index k, const SplitWorth& worth) const {
+  if (!(worth.own_priority > 0.0F) || worth.error.is_within(evaluation_.scene().options->tolerance_px))
+    return std::nullopt;
+  const FrontNode& node = evaluation_.front(object).node(k);
+  return Entry{worth.own_priority, worth.error, node.split, object, node.level, 0, Entry::Kind::apply};
 }
 
-// Queues the split of a reached node if it is worth anything.
 void SplitExchange::enqueue_split(std::uint32_t object, Front::Index k) {
-  const SplitWorth worth = evaluation_.worth(object, k);
-  const FrontNode& node = evaluation_.front(object).node(k);
-  if (worth.own_priority > 0.0F && !worth.error.is_within(evaluation_.scene().options->tolerance_px))
-    candidates_.push({worth.own_priority, worth.error, node.split, object, node.level, 0, Entry::Kind::apply});
+  if (const std::optional<Entry> entry = split_of(object, k, evaluation_.worth(object, k))) candidates_.push(*entry);
 }
 
 float SplitExchange::forced_weight(const Entry& entry, const Cut::Closure& closure) {

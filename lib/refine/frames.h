@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,9 +29,9 @@ class FrontForest {
   // are marked.
   void adopt_forest(std::uint32_t object, float level);
 
-  // Reaches the children of s and evaluates them; the result is valid until the next call. Throws Error when the forest
-  // in the file is inconsistent.
-  std::span<const Front::Index> descend(std::uint32_t object, SplitId s);
+  // Reaches the children of these splits and evaluates them; the result is valid until the next call. Throws Error when
+  // the forest in the file is inconsistent.
+  std::span<const Front::Index> descend(std::uint32_t object, std::span<const SplitId> splits);
   // Gives up descending nodes that are hidden or whose errors are no larger than `least`.
   void close(std::uint32_t object, float least);
 
@@ -70,6 +71,10 @@ class FrontQueries {
   std::span<const Entry> check_hidden(float least);
   // Returns whether the occluder of this frame hides the entry. Asks unless it has been asked already.
   [[nodiscard]] bool is_hidden(const Entry& entry);
+  // Removes entries that it hides, and asks about those that have not been asked about yet, all at once.
+  void drop_hidden(std::vector<Entry>& entries);
+  // Returns a number that is larger than 0 and changes whenever an occluder is drawn.
+  [[nodiscard]] std::uint32_t occluder() const noexcept { return draw_ + 1; }
   // Asks about a split that has become a leaf, unless this view has shown it.
   void ask_about_new_leaf(std::uint32_t object, Front::Index k);
 
@@ -195,7 +200,14 @@ class SplitExchange {
 
   void exchange();
   [[nodiscard]] bool limit_reached() const;
-  void descend(const Entry& entry);
+  [[nodiscard]] std::size_t candidates_at_once() const;
+  [[nodiscard]] bool is_looked_at(const Entry& entry) const;
+  void look_ahead();
+  void take_ahead();
+  void descend_ahead(float least);
+  void descend_all(std::uint32_t object, std::span<const Entry> visits, float least);
+  [[nodiscard]] std::optional<Entry> visit_of(std::uint32_t object, Front::Index k) const;
+  [[nodiscard]] std::optional<Entry> split_of(std::uint32_t object, Front::Index k, const SplitWorth& worth) const;
   void enqueue_visit(std::uint32_t object, Front::Index k);
   void enqueue_split(std::uint32_t object, Front::Index k);
   void note_forced(const Entry& entry, const Cut::Closure& closure);
@@ -217,11 +229,13 @@ class SplitExchange {
   float adopted_level_ = 0.0F, settling_step_ = 1.0F;
   float settling_level_ = 0.0F;  // less important candidates are left to later frames while the budget is used up
   Queue candidates_;
-  Queue leaves_;                   // ordered by 1 / priority
-  float candidates_above_ = 0.0F;  // candidates with larger priorities are queued
-  float last_step_ = 0.0F;         // below it, all other candidates are queued at once
-  float leaves_below_ = 0.0F;      // leaves with smaller priorities are queued
-  std::size_t changes_ = 0;
+  Queue leaves_;                                   // ordered by 1 / priority
+  float candidates_above_ = 0.0F;                  // candidates with larger priorities are queued
+  float last_step_ = 0.0F;                         // below it, all other candidates are queued at once
+  float leaves_below_ = 0.0F;                      // leaves with smaller priorities are queued
+  std::size_t changes_ = 0, changes_before_ = 0;   // in this frame and the one before
+  std::size_t next_ahead_ = 0;                     // how many candidates are looked at next
+  std::vector<Entry> ahead_, visits_, looked_at_;  // scratch of look_ahead()
   ScreenError rejected_;
   UnseenNeeds unseen_needs_;
   std::vector<Front::Index> found_;  // scratch, like the next two

@@ -43,9 +43,9 @@ void FrontForest::adopt_forest(std::uint32_t object, float level) {
   evaluation_.evaluate_expired(object);  // evaluates applied nodes that were not reached
 }
 
-std::span<const Front::Index> FrontForest::descend(std::uint32_t object, SplitId s) {
+std::span<const Front::Index> FrontForest::descend(std::uint32_t object, std::span<const SplitId> splits) {
   reached_.clear();
-  reach_children(object, s);
+  for (const SplitId s : splits) reach_children(object, s);
   evaluation_.evaluate(object, reached_);
   return reached_;
 }
@@ -282,6 +282,24 @@ bool FrontQueries::is_hidden(const Entry& entry) {
   queries.ask({&entry, 1}, {&verdict, 1});
   note(entry, verdict);
   return !verdict.visible;
+}
+
+void FrontQueries::drop_hidden(std::vector<Entry>& entries) {
+  const OcclusionQueries& queries = *evaluation_.scene().queries;
+  if (!queries.can_hide() || !queries.has_occluder()) return;
+  if (queries.in_flights()) return;  // the answers would be waited for, so the next frame asks
+  asked_.clear();
+  for (const Entry& entry : entries) {
+    const Front& front = evaluation_.front(entry.object);
+    if (queries.asks(entry) && !is_shown_since(draw_, front.node(front.find(entry.split)), entry.kind))
+      asked_.push_back(entry);
+  }
+  ask_all();
+  std::erase_if(entries, [&](const Entry& entry) {
+    const Front& front = evaluation_.front(entry.object);
+    return front.is(front.find(entry.split),
+                    entry.kind == Entry::Kind::visit ? Front::subtree_hidden : Front::star_hidden);
+  });
 }
 
 void FrontQueries::ask_about_new_leaf(std::uint32_t object, Front::Index k) {
