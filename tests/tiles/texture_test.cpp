@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hlod/texture/charts.h"
+#include "hlod/texture/pack_shapes.h"
 #include "hlod/texture/source_textures.h"
 #include "hlod/texture/tile_texture.h"
 #include "hlod/tiles/tile_mesh.h"
@@ -166,6 +167,52 @@ TEST(Charts, TouchedRowsHoldTheTriangle) {
     if (side(a, b, c) != 0.0) {
       EXPECT_EQ(centered, inside);
     }
+  }
+}
+
+// What fits into a hollow lies there: a square of 2 x 2 in the corner that one of 4 x 4 lacks.
+TEST(PackShapes, FillsHollows) {
+  Shape corner(4, 4), square(2, 2);
+  for (int y = 0; y < 4; ++y) corner.add(y, 0, y < 2 ? 4 : 2);
+  for (int y = 0; y < 2; ++y) square.add(y, 0, 2);
+  const Packing packing = pack_shapes(std::vector{square, corner});
+  EXPECT_EQ(packing.size, glm::ivec2(4));
+  EXPECT_EQ(packing.at[0], glm::ivec2(2));
+  EXPECT_EQ(packing.at[1], glm::ivec2(0));
+}
+
+// Whatever the shapes, wider than a word too, none lies on another, and all lie in the image.
+TEST(PackShapes, NoneOverlaps) {
+  std::uint32_t random = 1;
+  const auto next = [&](int end) {
+    random = random * 1664525U + 1013904223U;
+    return static_cast<int>((random >> 8U) % static_cast<std::uint32_t>(end));
+  };
+  for (int round = 0; round < 60; ++round) {
+    std::vector<Shape> shapes;
+    const int widest = round % 3 == 0 ? 150 : 20;
+    for (int i = 0; i < 1 + round; ++i) {
+      Shape& shape = shapes.emplace_back(1 + next(widest), 1 + next(20));
+      for (int run = 0; run < 30; ++run) {
+        const int x = next(shape.width());
+        shape.add(next(shape.height()), x, x + 1 + next(shape.width() - x));
+      }
+    }
+    const Packing packing = pack_shapes(shapes);
+    std::set<std::pair<int, int>> taken;
+    std::uint64_t squares = 0;
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      for (int y = 0; y < shapes[i].height(); ++y)
+        for (int x = 0; x < shapes[i].width(); ++x) {
+          if (!shapes[i].has(x, y)) continue;
+          const glm::ivec2 at = packing.at[i] + glm::ivec2(x, y);
+          EXPECT_TRUE(taken.emplace(at.x, at.y).second);
+          EXPECT_TRUE(at.x >= 0 && at.y >= 0 && at.x < packing.size.x && at.y < packing.size.y);
+          ++squares;
+        }
+      squares -= shapes[i].count();
+    }
+    EXPECT_EQ(squares, 0U);
   }
 }
 
