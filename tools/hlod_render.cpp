@@ -52,7 +52,8 @@ void add_files(const Options& options, const HlodRequest& request, CommandFiles&
     files.add_output("--png", picture_file(options.png, request.frames, i), ".png");
 }
 
-void write_picture(const Options& options, const HlodScene& scene, NodeTextures& textures, const Front& front, int frame) {
+void write_picture(const Options& options, const HlodScene& scene, NodeTextures& textures, const Front& front,
+                   int frame) {
   const View view(camera_at(scene.path, frame));
   FrontMesh mesh;
   mesh.assign(front, scene.placed);

@@ -19,8 +19,9 @@ std::vector<ObjectTexture> NodeTextures::of(const FrontMesh& front) {
   for (auto& [key, own] : own_) own.is_used = false;
   for (const LaidObject& laid : front.laid()) {
     const bool has_own = textures_.shows_images() && !laid.mesh.image.empty();
-    result.push_back(has_own ? own_texture(laid)
-                             : ObjectTexture{laid.texture_coordinates, laid.materials, textures_.materials()[laid.placed]});
+    result.push_back(has_own
+                         ? own_texture(laid)
+                         : ObjectTexture{laid.texture_coordinates, laid.materials, textures_.materials()[laid.placed]});
   }
   std::erase_if(own_, [](const auto& entry) { return !entry.second.is_used; });
   return result;
@@ -42,9 +43,9 @@ NodeTextures::Own NodeTextures::decoded(const LaidObject& laid) const {
   own.materials.assign(materials.begin(), materials.end());
   own.coordinates.assign(laid.texture_coordinates.begin(), laid.texture_coordinates.end());
   try {
-    own.image = std::make_unique<TextureImage>(
-        decode_image(laid.mesh.image, fmt::format("the image of node {}", laid.node)),
-        TextureAddress{TextureWrap::clamp, TextureWrap::clamp, TextureOrigin::top_left});
+    own.image =
+        std::make_unique<TextureImage>(decode_image(laid.mesh.image, fmt::format("the image of node {}", laid.node)),
+                                       TextureAddress{TextureWrap::clamp, TextureWrap::clamp, TextureOrigin::top_left});
   } catch (const Error& error) {
     print_note(std::string(error.what()) + "; the node is drawn without");
   }

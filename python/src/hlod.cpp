@@ -253,7 +253,8 @@ void bind_hlod_class(nb::module_& m) {
           "textures", [](const Hlod& h) { return tuple_of(h.data().textures); }, nb::sig(textures_sig),
           "That materials count.")
       .def_prop_ro(
-          "image_materials", [](nb::handle self) { return view_of(nb::cast<const Hlod&>(self).data().image_materials, self); },
+          "image_materials",
+          [](nb::handle self) { return view_of(nb::cast<const Hlod&>(self).data().image_materials, self); },
           "(materials,) uint8: 1 where nodes show a material by images of their own. Empty where they have none.")
       .def_prop_ro(
           "texture_origin", [](const Hlod& h) { return h.data().texture_origin; }, "Of texture_coordinates of nodes.")
@@ -269,7 +270,8 @@ void bind_hlod_class(nb::module_& m) {
           },
           "path"_a, nb::kw_only(), "report"_a = nb::none(), "compression"_a = OlodCompression::zstd, "images"_a = "",
           "node_images"_a = false,
-          "As .ohlod; compressed node by node. `images` is as in Hierarchy.write(). `node_images`: each node also gets\n"
+          "As .ohlod; compressed node by node. `images` is as in Hierarchy.write(). `node_images`: each node also "
+          "gets\n"
           "an image of what it shows, as fine as its error needs, from the images in that folder.")
       .def(
           "has_within", [](const Hlod& h, std::int64_t n) { return h.has_within(checked(h, n)); }, "node"_a,

@@ -316,8 +316,8 @@ TEST(TileImage, ChartsMayCrossTheEdgeOfAnImage) {
   });
 }
 
-// Tiles together have no more than 4/3 of the texels of the finest, since each level has less than a quarter of those of
-// the level below, those that only have coarser images included. Any number of threads writes the same files.
+// Tiles together have no more than 4/3 of the texels of the finest, since each level has less than a quarter of those
+// of the level below, those that only have coarser images included. Any number of threads writes the same files.
 TEST(WriteTileset, ImagesOfTiles) {
   TriangleMesh mesh = textured(texture_of(512, 512, own_color));
   add_sheet(mesh, 64, {0, 0, 0}, {0.02F, 0.02F}, {0.98F, 0.98F});

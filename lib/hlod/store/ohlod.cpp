@@ -104,12 +104,13 @@ Summary summary_of(const hlod::HlodView& view) {
 }  // namespace
 
 void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report,
-                 OlodCompression compression, const std::filesystem::path& image_folder, OhlodImages images) {
+                 OlodCompression compression, const std::filesystem::path& image_folder, OhlodImages images,
+                 int threads) {
   hlod.require_all();
   hlod::HlodView view = hlod.data();
   hlod::OwnImages own;
   if (images == OhlodImages::nodes && view.node_images.empty() && view.within.empty())
-    own = make_own_images(hlod, image_folder, thread_count(0));
+    own = make_own_images(hlod, image_folder, thread_count(threads));
   if (!own.table.empty()) {
     view.nodes = own.nodes;
     view.node_images = own.table;
@@ -333,7 +334,8 @@ class FileGuard final : public hlod::NodeGuard {
  private:
   void check_node(hlod::NodeId n) override {
     if (const std::size_t bytes = image_bytes_of(view_, n);
-        bytes > 0 && checksum_of(view_.images.subspan(view_.node_images[n].place, bytes)) != view_.node_images[n].checksum)
+        bytes > 0 &&
+        checksum_of(view_.images.subspan(view_.node_images[n].place, bytes)) != view_.node_images[n].checksum)
       owner_->reader->refuse(fmt::format("image of node {}", n), "is damaged: its checksum is wrong");
     const auto unpack = [&](NodeUnpacker& unpacker, auto packed, auto raw) {
       return unpacker.unpack_mesh(view_, n, packed, raw);
@@ -451,7 +453,7 @@ class FileMeshes final : public hlod::MeshSource {
   std::optional<PackedNodes> packed_;
   std::uint64_t place_;         // in the file
   std::uint64_t images_place_;  // likewise; 0 without images
-  std::uint64_t bytes_;  // in memory, of all meshes
+  std::uint64_t bytes_;         // in memory, of all meshes
   NodeUnpacker unpacker_;
 };
 

@@ -44,7 +44,8 @@ class PartMaker {
     if (hlod_.node(n).triangles == 0) return part;
     TriangleMesh mesh = textured_mesh(hlod_, n);
     const double mean = tiles::mean_texel_size(mesh, sources_);
-    const tiles::TileImage image = make_tile_image(mesh, sources_, texel_size_of(hlod_.node(n), hlod_.node(n).error, mean));
+    const tiles::TileImage image =
+        make_tile_image(mesh, sources_, texel_size_of(hlod_.node(n), hlod_.node(n).error, mean));
     if (image.width == 0) return part;
     part.texel_size = image.texel_size;
     std::vector<glm::u16vec2> coordinates;
@@ -54,7 +55,8 @@ class PartMaker {
                                 : glm::u16vec2(glm::round(65535.0 * sources_.place(mesh.texture_coordinates[v]))));
     const std::vector<std::uint8_t> encoded = encode(image, format_);
     part.bytes.resize(coordinates.size() * sizeof(glm::u16vec2) + encoded.size());
-    const std::byte* const end = std::copy_n(reinterpret_cast<const std::byte*>(coordinates.data()), coordinates.size() * sizeof(glm::u16vec2), part.bytes.data());
+    const std::byte* const end = std::copy_n(reinterpret_cast<const std::byte*>(coordinates.data()),
+                                             coordinates.size() * sizeof(glm::u16vec2), part.bytes.data());
     std::memcpy(part.bytes.data() + (end - part.bytes.data()), encoded.data(), encoded.size());
     return part;
   }
@@ -99,7 +101,8 @@ OwnImages make_own_images(const Hlod& hlod, const std::filesystem::path& image_f
   images.nodes.assign(view.nodes.begin(), view.nodes.end());
   for (NodeId n = static_cast<NodeId>(images.nodes.size()); n-- > 0;) {  // children before their parents
     Node& node = images.nodes[n];
-    for (const NodeId child : hlod.children(n)) node.child_error = std::max(node.child_error, images.nodes[child].error);
+    for (const NodeId child : hlod.children(n))
+      node.child_error = std::max(node.child_error, images.nodes[child].error);
     node.error = std::max({node.error, node.child_error, images.table[n].texel_size});
   }
   return images;

@@ -15,13 +15,13 @@
 namespace occlod::tiles {
 namespace {
 
-constexpr int max_side = 8192;         // of a tile's image
-constexpr int most_coarser = 32;       // times that an image's texels are doubled, to be no larger
-constexpr int samples = 4;             // along each side of a texel that is a mean
-constexpr int most_rounds = 64;        // of filling what the source does not show
-constexpr double squares_side = 256;   // of the grid on which charts are packed, about
-constexpr double least_scale = 1.0625; // that is worth making new texels
-constexpr double least_gain = 0.9;     // of the area of a chart's box, to turn it
+constexpr int max_side = 8192;          // of a tile's image
+constexpr int most_coarser = 32;        // times that an image's texels are doubled, to be no larger
+constexpr int samples = 4;              // along each side of a texel that is a mean
+constexpr int most_rounds = 64;         // of filling what the source does not show
+constexpr double squares_side = 256;    // of the grid on which charts are packed, about
+constexpr double least_scale = 1.0625;  // that is worth making new texels
+constexpr double least_gain = 0.9;      // of the area of a chart's box, to turn it
 
 // Directions from 0 to 90 degrees, some 8 degrees apart, of right triangles with whole sides: the same with every
 // library of mathematics.
@@ -138,7 +138,9 @@ class TileImageMaker {
     set_box(placed);
     if (placed.scale == 1.0) return;
     Placed turned = placed;
-    const auto area = [](const Placed& p) { return static_cast<double>(p.size.x + 2 * gutter) * (p.size.y + 2 * gutter); };
+    const auto area = [](const Placed& p) {
+      return static_cast<double>(p.size.x + 2 * gutter) * (p.size.y + 2 * gutter);
+    };
     for (const glm::dvec2& direction : directions) {
       turned.direction = direction;
       set_box(turned);
@@ -162,11 +164,12 @@ class TileImageMaker {
     placed.size = glm::max(glm::ivec2(glm::ceil(high - placed.first)), glm::ivec2(1));
   }
 
-  // Packs what the charts' triangles touch, with gutters, on a grid of squares that are the coarser the larger the image
-  // is.
+  // Packs what the charts' triangles touch, with gutters, on a grid of squares that are the coarser the larger the
+  // image is.
   void pack() {
     double texels = 0.0;
-    for (const Placed& placed : charts_) texels += static_cast<double>(placed.size.x + 2 * gutter) * (placed.size.y + 2 * gutter);
+    for (const Placed& placed : charts_)
+      texels += static_cast<double>(placed.size.x + 2 * gutter) * (placed.size.y + 2 * gutter);
     const int side = std::max(1, static_cast<int>(std::sqrt(texels) / squares_side));
     std::vector<Shape> shapes;
     for (const Placed& placed : charts_) shapes.push_back(shape_of(placed, side));
@@ -191,7 +194,9 @@ class TileImageMaker {
   void for_each_touched(const Placed& placed, int parts, const Visit& visit) const {
     const glm::i64vec2 last(parts * placed.size - 1);
     for (const std::uint32_t t : placed.chart.triangles) {
-      const auto at = [&](int k) { return placed.to_image(texels_[mesh_.triangles[t][k]]) * static_cast<double>(parts); };
+      const auto at = [&](int k) {
+        return placed.to_image(texels_[mesh_.triangles[t][k]]) * static_cast<double>(parts);
+      };
       for_each_touched_row(at(0), at(1), at(2), [&](std::int64_t y, std::int64_t x0, std::int64_t x1) {
         x0 = std::clamp<std::int64_t>(x0, 0, last.x);
         visit(static_cast<int>(std::clamp<std::int64_t>(y, 0, last.y)), static_cast<int>(x0),
@@ -203,7 +208,8 @@ class TileImageMaker {
   [[nodiscard]] Mask mask_of(const Placed& placed, int parts) const {
     Mask mask{glm::i64vec2(parts * placed.size), {}};
     mask.is_touched.assign(static_cast<std::size_t>(mask.size.x * mask.size.y), 0);
-    for_each_touched(placed, parts, [&](int y, int x0, int x1) { std::fill_n(&mask.at(x0, y), x1 - x0, std::uint8_t{1}); });
+    for_each_touched(placed, parts,
+                     [&](int y, int x0, int x1) { std::fill_n(&mask.at(x0, y), x1 - x0, std::uint8_t{1}); });
     return mask;
   }
 

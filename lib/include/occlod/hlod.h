@@ -172,9 +172,9 @@ struct HlodView {
   float lattice_step = 0.0F;  // all coordinates are multiples of it, HlodBuildOptions::quantise_bits; 0: as the input's
   glm::dvec3 origin{0.0};     // coordinates are origin + position, see TriangleMesh::origin and positions_to_world()
   UpAxis up = UpAxis::z;      // of the input
-  std::span<const NodeImage> node_images;          // by node; empty where nodes have no images of their own
-  std::span<const std::byte> images;               // that node_images tells of; empty of an HLOD with a store
-  std::span<const std::uint8_t> image_materials;   // by material: 1 where nodes show it by their own images
+  std::span<const NodeImage> node_images;         // by node; empty where nodes have no images of their own
+  std::span<const std::byte> images;              // that node_images tells of; empty of an HLOD with a store
+  std::span<const std::uint8_t> image_materials;  // by material: 1 where nodes show it by their own images
 };
 
 inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes, and of its splits
