@@ -104,13 +104,12 @@ Summary summary_of(const hlod::HlodView& view) {
 }  // namespace
 
 void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report,
-                 OlodCompression compression, const std::filesystem::path& image_folder, OhlodImages images,
-                 int threads) {
+                 OlodCompression compression, const std::filesystem::path& image_folder, OhlodImages images) {
   hlod.require_all();
   hlod::HlodView view = hlod.data();
   hlod::OwnImages own;
   if (images == OhlodImages::nodes && view.node_images.empty() && view.within.empty())
-    own = make_own_images(hlod, image_folder, thread_count(threads));
+    own = make_own_images(hlod, image_folder, thread_count(0));
   if (!own.table.empty()) {
     view.nodes = own.nodes;
     view.node_images = own.table;

@@ -133,7 +133,7 @@ class TileImageMaker {
     const glm::dvec2 extent = placed.chart.max - placed.chart.min;
     double texels = texel_size > 0.0 ? texel_size / placed.chart.texel_size() : 1.0;
     if (texels < least_scale) texels = 1.0;
-    placed.scale = std::clamp(texels, least, std::max({1.0, extent.x, extent.y}));
+    placed.scale = std::min(std::max(texels, least), std::max({1.0, extent.x, extent.y}));
     placed.direction = directions[0];
     set_box(placed);
     if (placed.scale == 1.0) return;
@@ -354,7 +354,12 @@ void repeat_in_rows(TileImage& image) {
         last = image.pixels[i];
         break;
       }
-    for (std::size_t i = first; i < end; ++i) image.is_free[i] != 0 ? image.pixels[i] = last : last = image.pixels[i];
+    for (std::size_t i = first; i < end; ++i) {
+      if (image.is_free[i] == 0)
+        last = image.pixels[i];
+      else
+        image.pixels[i] = last;
+    }
   }
 }
 

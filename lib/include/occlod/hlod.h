@@ -110,7 +110,7 @@ struct NodeMesh {
   // shares of 65,535 of width and height from the top left. They take the place of texture_coordinates and of the image
   // of those materials that HlodView::image_materials marks; other vertices are at (0, 0).
   std::span<const std::uint8_t> image = {};
-  std::span<const glm::u16vec2> image_coordinates = {};
+  std::span<const glm::u16vec2> image_coordinates = {};  // one per vertex, as said above; empty without an image
 };
 
 // Where a node's own image is.
