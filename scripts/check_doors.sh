@@ -53,7 +53,7 @@ install_upstream libzstd build/cmake -DZSTD_BUILD_SHARED=OFF -DZSTD_BUILD_PROGRA
 install_upstream nlohmann-json3 . -DJSON_BuildTests=OFF
 # These authors install headers, or nothing.
 mkdir -p "$prefix/include" "$prefix/lib/cmake/glm"
-cp "$sources/tinygltf/tiny_gltf.h" "$sources/xxhash/xxhash.h" "$sources"/libstb/stb_{image*,rect_pack}.h "$prefix/include"
+cp "$sources/tinygltf/tiny_gltf.h" "$sources/xxhash/xxhash.h" "$sources"/libstb/stb_image*.h "$prefix/include"
 cp -r "$sources/glm/glm" "$prefix/include"
 echo 'add_library(glm::glm INTERFACE IMPORTED)
 target_include_directories(glm::glm INTERFACE ${CMAKE_CURRENT_LIST_DIR}/../../../include)' >"$prefix/lib/cmake/glm/glmConfig.cmake"

@@ -27,7 +27,7 @@ CARRIED = {
     "glm": ["copying.txt", "glm/*.hpp", "glm/*.inl", "glm/simd/*.h"],
     "hwy": ["LICENSE*", "CMakeLists.txt", "cmake/*", "hwy/*.h", "hwy/*.cc"],
     "nlohmann_json": ["LICENSE.MIT", "include/*.hpp"],
-    "stb": ["LICENSE", "stb_image.h", "stb_image_write.h", "stb_rect_pack.h"],
+    "stb": ["LICENSE", "stb_image.h", "stb_image_write.h"],
     "tinygltf": ["LICENSE", "tiny_gltf.h"],
     "xxhash": ["LICENSE", "xxhash.h"],
     "zstd": ["LICENSE", "build/cmake/*", "lib/*.h", "lib/*.c", "lib/*.S", "lib/libzstd.pc.in"],

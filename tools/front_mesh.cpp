@@ -76,7 +76,7 @@ void FrontMesh::append(const hlod::DrawnNode& draw, std::span<const hlod::DrawRa
     append_triangles(mesh.indices.subspan(range.first_index, range.index_count));
   if (cut.splits == 0) {
     objects_.push_back({positions, mesh.colors, std::span(triangles_).subspan(first), placed.object_to_world});
-    laid_.push_back({draw.object, mesh.texture_coordinates, mesh.materials});
+    laid_.push_back({draw.object, draw.node, mesh.texture_coordinates, mesh.materials, mesh});
     return;
   }
   CutAttributes& attributes = attributes_[objects_.size()];
@@ -85,14 +85,8 @@ void FrontMesh::append(const hlod::DrawnNode& draw, std::span<const hlod::DrawRa
   assign_both(attributes.texture_coordinates, mesh.texture_coordinates, within.texture_coordinates);
   assign_both(attributes.materials, mesh.materials, within.materials);
   objects_.push_back({positions, attributes.colors, std::span(triangles_).subspan(first), placed.object_to_world});
-  laid_.push_back({draw.object, attributes.texture_coordinates, attributes.materials});
-}
-
-std::vector<ObjectTexture> FrontMesh::textures(std::span<const std::span<const DrawMaterial>> materials) const {
-  std::vector<ObjectTexture> textures;
-  if (materials.empty()) return textures;
-  for (const Laid& laid : laid_) textures.push_back({laid.texture_coordinates, laid.materials, materials[laid.placed]});
-  return textures;
+  laid_.push_back({draw.object, draw.node, attributes.texture_coordinates, attributes.materials, mesh});
+  laid_.back().mesh.image = {};
 }
 
 void FrontMesh::append_triangles(std::span<const std::uint16_t> indices) {

@@ -27,6 +27,15 @@ struct Front {
 // Returns all nodes of level 0, whose triangles are the input's, wherever their boxes say that they are.
 [[nodiscard]] Front full_front(std::span<const hlod::PlacedHlod> placed);
 
+// Holds what textures need of an object of a picture.
+struct LaidObject {
+  std::uint32_t placed = 0;  // HLOD
+  hlod::NodeId node = 0;
+  std::span<const glm::vec2> texture_coordinates;  // per vertex
+  std::span<const MaterialId> materials;           // likewise
+  hlod::NodeMesh mesh;                             // without an image where it is a cut
+};
+
 // Holds the triangles of a front as objects of a picture, one per draw, in the same order. Reuses its memory.
 class FrontMesh {
  public:
@@ -34,9 +43,8 @@ class FrontMesh {
   void assign(const Front& front, std::span<const hlod::PlacedHlod> placed);
   // Returns the objects, valid until the next assign().
   [[nodiscard]] std::span<const DrawObject> objects() const { return objects_; }
-  // Returns the texture of each object, empty if its HLOD's entry in `materials` is. `materials` lists, per placed
-  // HLOD, the materials that its vertices index. Valid until the next assign().
-  [[nodiscard]] std::vector<ObjectTexture> textures(std::span<const std::span<const DrawMaterial>> materials) const;
+  // Returns what textures need of each object, valid until the next assign().
+  [[nodiscard]] std::span<const LaidObject> laid() const { return laid_; }
   [[nodiscard]] std::size_t triangle_count() const { return triangles_.size(); }
 
  private:
@@ -47,12 +55,6 @@ class FrontMesh {
     std::vector<glm::vec2> texture_coordinates;
     std::vector<MaterialId> materials;
   };
-  // Holds what textures need of the vertices of an object.
-  struct Laid {
-    std::uint32_t placed = 0;  // HLOD
-    std::span<const glm::vec2> texture_coordinates;
-    std::span<const MaterialId> materials;
-  };
 
   void append_triangles(std::span<const std::uint16_t> indices);
 
@@ -61,7 +63,7 @@ class FrontMesh {
   std::vector<std::vector<glm::vec3>> positions_;  // of the k-th object whose vertices morph
   std::vector<hlod::NodeCut> cuts_;                // per cut
   std::vector<CutAttributes> attributes_;          // per object; empty unless it is a cut
-  std::vector<Laid> laid_;                         // per object
+  std::vector<LaidObject> laid_;                   // per object
 };
 
 }  // namespace occlod::tool

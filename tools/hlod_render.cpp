@@ -21,6 +21,7 @@
 #include "hlod_scene.h"
 #include "hlod_strategies.h"
 #include "interrupt.h"
+#include "node_textures.h"
 #include "object_textures.h"
 #include "occlod/device.h"
 #include "option_values.h"
@@ -51,7 +52,7 @@ void add_files(const Options& options, const HlodRequest& request, CommandFiles&
     files.add_output("--png", picture_file(options.png, request.frames, i), ".png");
 }
 
-void write_picture(const Options& options, const HlodScene& scene, const HlodTextures& textures, const Front& front,
+void write_picture(const Options& options, const HlodScene& scene, NodeTextures& textures, const Front& front,
                    int frame) {
   const View view(camera_at(scene.path, frame));
   FrontMesh mesh;
@@ -59,7 +60,7 @@ void write_picture(const Options& options, const HlodScene& scene, const HlodTex
   ItemBuffer items;
   draw_items(items, mesh.objects(), view);
   write_png(picture_file(options.png, scene.path.frames, frame),
-            shade_without_wire(items, mesh.objects(), view, mesh.textures(textures.materials())));
+            shade_without_wire(items, mesh.objects(), view, textures.of(mesh)));
 }
 
 Json report_of(const Options& options, const HlodScene& scene, const HlodDevice& device, const hlod::DeviceCosts& costs,
@@ -105,6 +106,7 @@ void run(const Options& options) {
   const HlodScene scene = load_hlod_scene(options.scene, request);
   const HlodTextures textures(scene.hlods, options.scene.file.parent_path(),
                               options.png.empty() ? TextureChoice::none : options.texture);
+  NodeTextures node_textures(scene.placed, textures);
   HlodRuns runs(scene, {{traverse, device.device.get()}}, options.compared_frames);
   const bool is_paged = options.scene.paged.has_value();
   const auto columns = frame_columns(options.compared_frames > 0, is_paged);
@@ -116,7 +118,7 @@ void run(const Options& options) {
     runs.draw(i);
     if (i == 0) first_picture_ms = opening.milliseconds();
     print_failures(scene.placed);
-    if (!options.png.empty()) write_picture(options, scene, textures, runs.front(0), i);
+    if (!options.png.empty()) write_picture(options, scene, node_textures, runs.front(0), i);
     if (!options.json) print_row(columns, runs.told(0));
   }
   pictures.commit();

@@ -73,7 +73,8 @@ ObjectTextures::ObjectTextures(const WalkedObject& object, const std::filesystem
 
 ObjectTextures::ObjectTextures(const hlod::HlodView& hlod, const std::filesystem::path& folder, TextureChoice choice,
                                const TextureNote& note) {
-  load({hlod.materials, hlod.textures, hlod.texture_origin, hlod.has_texture_coordinates}, folder, choice, note);
+  load({hlod.materials, hlod.textures, hlod.texture_origin, hlod.has_texture_coordinates, hlod.image_materials}, folder,
+       choice, note);
 }
 
 void ObjectTextures::load(const Source& source, const std::filesystem::path& folder, TextureChoice choice,
@@ -85,9 +86,14 @@ void ObjectTextures::load(const Source& source, const std::filesystem::path& fol
     materials_.assign(std::max<std::size_t>(source.materials.size(), 1), {glm::vec3(1.0F), images_[0].get()});
     return;
   }
+  std::vector<bool> is_shown(source.textures.size(), false);
+  for (std::size_t m = 0; m < source.materials.size(); ++m)
+    if (const TextureId texture = source.materials[m].texture;
+        texture < is_shown.size() && (source.has_own_image.empty() || source.has_own_image[m] == 0))
+      is_shown[texture] = true;
   for (const Texture& texture : source.textures) {
     images_.emplace_back();
-    if (!source.has_coordinates) continue;
+    if (!source.has_coordinates || !is_shown[images_.size() - 1]) continue;
     try {
       images_.back() = std::make_shared<TextureImage>(image_of(texture, folder),
                                                       TextureAddress{texture.wrap_s, texture.wrap_t, source.origin});
@@ -124,7 +130,8 @@ SceneTextures::SceneTextures(const std::vector<LoadedObject>& objects, TextureCh
 }
 
 HlodTextures::HlodTextures(const std::vector<LoadedHlod>& hlods, const std::filesystem::path& folder,
-                           TextureChoice choice) {
+                           TextureChoice choice)
+    : shows_images_(choice == TextureChoice::automatic || choice == TextureChoice::file) {
   std::map<const hlod::Hlod*, std::shared_ptr<const ObjectTextures>> known;
   bool has_image = false, has_any = false;
   for (const LoadedHlod& object : hlods) {
@@ -137,7 +144,7 @@ HlodTextures::HlodTextures(const std::vector<LoadedHlod>& hlods, const std::file
     }
     owners_.push_back(textures);
     materials_.push_back(textures->materials());
-    has_image = has_image || textures->has_image();
+    has_image = has_image || textures->has_image() || !object.hlod->data().node_images.empty();
     has_any = has_any || !textures->materials().empty();
   }
   if (!has_any) materials_.clear();

@@ -45,7 +45,8 @@ class ObjectTextures {
                  const TextureNote& note);
   ObjectTextures(const WalkedObject& object, const std::filesystem::path& folder, TextureChoice choice,
                  const TextureNote& note);
-  // This provides only materials(), because each node has texture coordinates of its own.
+  // This provides only materials(), because each node has texture coordinates of its own, without the images that nodes
+  // have themselves.
   ObjectTextures(const hlod::HlodView& hlod, const std::filesystem::path& folder, TextureChoice choice,
                  const TextureNote& note);
   ~ObjectTextures() = default;
@@ -63,6 +64,7 @@ class ObjectTextures {
     std::span<const Texture> textures;
     TextureOrigin origin;
     bool has_coordinates;
+    std::span<const std::uint8_t> has_own_image = {};  // by material: it is drawn by other images; empty: none is
   };
   void load(const Source& source, const std::filesystem::path& folder, TextureChoice choice, const TextureNote& note);
 
@@ -96,8 +98,11 @@ class HlodTextures {
 
   // Returns one entry per HLOD; none when no HLOD has a texture or material.
   [[nodiscard]] std::span<const std::span<const DrawMaterial>> materials() const { return materials_; }
+  // Returns whether images are those of the files, which nodes may have of their own.
+  [[nodiscard]] bool shows_images() const { return shows_images_; }
 
  private:
+  bool shows_images_;
   std::vector<std::shared_ptr<const ObjectTextures>> owners_;
   std::vector<std::span<const DrawMaterial>> materials_;
 };

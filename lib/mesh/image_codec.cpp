@@ -60,6 +60,33 @@ void* reallocate_block(void* block, std::size_t bytes) noexcept {
 #include <stb_image.h>
 #pragma GCC diagnostic pop
 
+#ifdef OCCLOD_HAS_ZLIB
+#include <zlib.h>
+
+#include <cstdlib>
+
+namespace occlod {
+namespace {
+
+// Compresses what the encoder has filtered into memory that it frees: its own compressor needs a third more bytes.
+unsigned char* compress_filtered(const unsigned char* data, int bytes, int* packed_bytes, int /*quality*/) noexcept {
+  uLongf size = compressBound(static_cast<uLong>(bytes));
+  auto* const packed = static_cast<unsigned char*>(std::malloc(size));
+  if (packed == nullptr) return nullptr;
+  if (compress2(packed, &size, data, static_cast<uLong>(bytes), Z_BEST_COMPRESSION) != Z_OK) {
+    std::free(packed);
+    return nullptr;
+  }
+  *packed_bytes = static_cast<int>(size);
+  return packed;
+}
+
+}  // namespace
+}  // namespace occlod
+
+#define STBIW_ZLIB_COMPRESS occlod::compress_filtered
+#endif
+
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
 #define STBI_WRITE_NO_STDIO

@@ -64,6 +64,7 @@ class OcclodConan(ConanFile):
             toolchain.cache_variables[f"OCCLOD_BUILD_{part}"] = False
         toolchain.cache_variables["OCCLOD_BUILD_GL"] = bool(self.options.gl)
         toolchain.cache_variables["OCCLOD_WITH_MESHOPTIMIZER"] = False
+        toolchain.cache_variables["OCCLOD_WITH_ZLIB"] = False
         toolchain.cache_variables["OCCLOD_WARNINGS_AS_ERRORS"] = False
         toolchain.generate()
         dependencies = CMakeDeps(self)

@@ -63,6 +63,9 @@ inline Array2<const float, 2> view_of(std::span<const glm::vec2> values, nb::han
 inline Array2<const std::uint8_t, 4> view_of(std::span<const glm::u8vec4> values, nb::handle owner) {
   return rows_view<const std::uint8_t, 4>(reinterpret_cast<const std::uint8_t*>(values.data()), values.size(), owner);
 }
+inline Array2<const std::uint16_t, 2> view_of(std::span<const glm::u16vec2> values, nb::handle owner) {
+  return rows_view<const std::uint16_t, 2>(reinterpret_cast<const std::uint16_t*>(values.data()), values.size(), owner);
+}
 inline Array2<const std::uint32_t, 3> view_of(std::span<const Triangle> values, nb::handle owner) {
   return rows_view<const std::uint32_t, 3>(reinterpret_cast<const std::uint32_t*>(values.data()), values.size(), owner);
 }

@@ -103,6 +103,23 @@ void bind_nodes(nb::module_& m) {
           },
           "(n,) uint16, into Hlod.materials, the same at all corners of a triangle; None: all have the first, if any.")
       .def_prop_ro(
+          "image",
+          [](const PythonNodeMesh& node) -> std::optional<nb::bytes> {
+            const auto image = node.mesh.image;
+            if (image.empty()) return std::nullopt;
+            return nb::bytes(image.data(), image.size());
+          },
+          "An image of the node's own, PNG or JPEG, or None: what it shows of those of Hlod.materials with a mark in\n"
+          "Hlod.image_materials, in the place of texture_coordinates by image_coordinates.")
+      .def_prop_ro(
+          "image_coordinates",
+          [](nb::handle self) -> std::optional<Array2<const std::uint16_t, 2>> {
+            const auto coordinates = nb::cast<const PythonNodeMesh&>(self).mesh.image_coordinates;
+            if (coordinates.empty()) return std::nullopt;
+            return view_of(coordinates, self);
+          },
+          "(n, 2) uint16, or None: places in `image`, 65,535 for its width and height, from the top left.")
+      .def_prop_ro(
           "triangles",
           [](nb::handle self) {
             const auto indices = nb::cast<const PythonNodeMesh&>(self).mesh.indices;
@@ -236,18 +253,26 @@ void bind_hlod_class(nb::module_& m) {
           "textures", [](const Hlod& h) { return tuple_of(h.data().textures); }, nb::sig(textures_sig),
           "That materials count.")
       .def_prop_ro(
+          "image_materials",
+          [](nb::handle self) { return view_of(nb::cast<const Hlod&>(self).data().image_materials, self); },
+          "(materials,) uint8: 1 where nodes show a material by images of their own. Empty where they have none.")
+      .def_prop_ro(
           "texture_origin", [](const Hlod& h) { return h.data().texture_origin; }, "Of texture_coordinates of nodes.")
       .def_prop_ro(
           "up", [](const Hlod& h) { return h.data().up; }, "The axis that points up, as far as the input says.")
       .def(
           "write",
           [](const Hlod& h, const std::filesystem::path& path, const std::optional<MeshReport>& report,
-             OlodCompression compression, const std::filesystem::path& images) {
+             OlodCompression compression, const std::filesystem::path& images, bool node_images) {
             const ReleasedGil release;
-            write_ohlod(path, h, report.value_or(MeshReport{}), compression, images);
+            write_ohlod(path, h, report.value_or(MeshReport{}), compression, images,
+                        node_images ? OhlodImages::nodes : OhlodImages::named);
           },
           "path"_a, nb::kw_only(), "report"_a = nb::none(), "compression"_a = OlodCompression::zstd, "images"_a = "",
-          "As .ohlod; compressed node by node. `images` is as in Hierarchy.write().")
+          "node_images"_a = false,
+          "As .ohlod; compressed node by node. `images` is as in Hierarchy.write(). `node_images`: each node also "
+          "gets\n"
+          "an image of what it shows, as fine as its error needs, from the images in that folder.")
       .def(
           "has_within", [](const Hlod& h, std::int64_t n) { return h.has_within(checked(h, n)); }, "node"_a,
           "Whether the node has collapses of its own: Within.splits.")

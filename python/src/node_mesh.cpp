@@ -11,6 +11,8 @@ struct NodeArrays {
   std::vector<std::uint16_t> indices, merged_into;
   std::vector<glm::vec2> texture_coordinates;
   std::vector<MaterialId> materials;
+  std::vector<std::uint8_t> image;
+  std::vector<glm::u16vec2> image_coordinates;
 };
 
 template <typename T>
@@ -41,6 +43,8 @@ PythonNodeMesh node_mesh(const hlod::Hlod& hlod, hlod::NodeId node) {
   copy(mesh.merged_into, copies->merged_into);
   copy(mesh.texture_coordinates, copies->texture_coordinates);
   copy(mesh.materials, copies->materials);
+  copy(mesh.image, copies->image);
+  copy(mesh.image_coordinates, copies->image_coordinates);
   result.copies = copies;
   return result;
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "hlod/store/ohlod.h"
 #include "io/mesh_files.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/build_hlod.h"
@@ -241,7 +242,7 @@ TEST(Origin, HlodsAndTheirFilesKeepIt) {
   for (const OlodCompression compression : {OlodCompression::none, OlodCompression::zstd}) {
     write_ohlod(folder.path() / "a.ohlod", built, {}, compression);
     const OhlodFile file = read_ohlod(folder.path() / "a.ohlod");
-    EXPECT_EQ(file.version, ohlod_version);
+    EXPECT_EQ(file.version, ohlod::origin_version);
     EXPECT_EQ(file.hlod.data().origin, mesh.origin);
     EXPECT_TRUE(restores(file.hlod, mesh));
     EXPECT_TRUE(validate(file.hlod, 4).empty());

@@ -4,8 +4,10 @@ import os
 import random
 import resource
 import signal
+import struct
 import subprocess
 import unittest
+import zlib
 
 from tool_case import OCCLOD, ToolTest
 
@@ -80,6 +82,40 @@ class HlodPaged(Paged):
                 self.assertLessEqual(frame["resident_bytes"], budget)
             self.assertGreater(report["frames"][-1]["largest_sse_px"], report["tolerance_px"], "there is no room for finer ones")
         self.assertLess(self.told()["frames"][-1]["largest_sse_px"], 1.0 + 1e-6)
+
+    def picture(self, name, *more):
+        done = self.run_tool("hlod", "render", "red.ohlod", "--scene", "over.json", *SIZE, "--strategy", "vfc", "--tolerance", 0.5, "--png", name, *more, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return (self.folder / name).read_bytes(), done.stderr
+
+    def test_nodes_show_images_of_their_own(self):
+        """Without the model's image, from memory and paged; a damaged one is told in one line, and something coarser is drawn."""
+        (self.folder / "red.obj").write_text("mtllib red.mtl\nusemtl red\n" + textured_grid(24).split("\n", 1)[1])
+        (self.folder / "red.mtl").write_text("newmtl red\nmap_Kd red.png\n")
+        rows = b"".join(b"\0" + b"".join(bytes([200 + (x ^ y) % 50, 20, y // 2]) for x in range(512)) for y in range(512))
+        chunks = [(b"IHDR", struct.pack(">IIBBBBB", 512, 512, 8, 2, 0, 0, 0)), (b"IDAT", zlib.compress(rows)), (b"IEND", b"")]
+        (self.folder / "red.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks))
+        over = {"eye": [12, 11, 30], "target": [12, 12, 0], "near": 0.1, "far": 100}
+        (self.folder / "over.json").write_text(json.dumps({"objects": [{"mesh": "red.obj"}], "cameras": {"default": over}}))
+        self.succeed("hlod", "build", "red.obj", "-o", "red.ohlod", "--node-triangles", 64)
+        self.succeed("hlod", "validate", "red.ohlod", "--input", "red.obj")
+        (self.folder / "red.png").unlink()
+        whole, notes = self.picture("whole.png")
+        self.assertEqual(notes, "")
+        self.assertTrue(whole != self.picture("plain.png", "--texture", "none")[0])
+        paging = ("--memory", "64M", "--load", "blocking")
+        self.assertTrue(self.picture("paged.png", *paging) == (whole, ""))
+        data = bytearray((self.folder / "red.ohlod").read_bytes())
+        sections = {bytes(data[at : at + 4]): struct.unpack_from("<QQ", data, at + 8) for at in range(32, 32 + 48 * struct.unpack_from("<I", data, 12)[0], 48)}
+        nodes = struct.iter_unpack("<QQIf", data[sections[b"NIMG"][0] : sum(sections[b"NIMG"])])
+        last = max(place for place, _, size, _ in nodes if size > 0)
+        data[sections[b"IMGS"][0] + last] ^= 1
+        (self.folder / "red.ohlod").write_bytes(data)
+        damaged, notes = self.picture("damaged.png", *paging)
+        self.assertTrue(damaged != whole)
+        self.assertEqual(notes.count("\n"), 1)
+        self.assertIn("image of node", notes)
+        self.assertIn("image of node", self.failure_of("hlod", "validate", "red.ohlod"))
 
     def test_wrong_use(self):
         for arguments, told in ((("--load", "async"), "--memory"), (("--memory", "1M", "--within", "splits"), "--within"), (("--memory", "1M", "--reference", 1), "--reference")):

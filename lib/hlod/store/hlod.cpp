@@ -68,7 +68,10 @@ HlodView view_of(const HlodData& data) {
           data.texture_origin,
           data.lattice_step,
           data.origin,
-          data.up};
+          data.up,
+          data.node_images,
+          data.images,
+          data.image_materials};
 }
 
 Hlod make_hlod(HlodData data) {
@@ -101,7 +104,10 @@ HlodData copy_data(const Hlod& hlod) {
           view.texture_origin,
           view.lattice_step,
           view.origin,
-          view.up};
+          view.up,
+          to_vector(view.node_images),
+          {view.images.begin(), view.images.end()},
+          to_vector(view.image_materials)};
 }
 
 Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner, std::shared_ptr<NodeGuard> guard) {
@@ -112,17 +118,21 @@ Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner, std::
   return hlod;
 }
 
-NodeMesh mesh_at(const HlodView& view, NodeId n, const std::byte* bytes) noexcept {
+NodeMesh mesh_at(const HlodView& view, NodeId n, const std::byte* bytes, const std::byte* image) noexcept {
   const Node& node = view.nodes[n];
   const MeshLayout layout(node, arrays_of(view));
   const std::size_t vertices = node.vertices;
+  const std::size_t image_bytes = image_bytes_of(view, n), coordinates = vertices * sizeof(glm::u16vec2);
   return {array_at<glm::vec3>(bytes, vertices),
           array_at<glm::vec3>(bytes + layout.normals, view.has_normals ? vertices : 0),
           array_at<glm::u8vec4>(bytes + layout.colors, view.has_colors ? vertices : 0),
           array_at<std::uint16_t>(bytes + layout.indices, 3 * std::size_t{node.triangles}),
           array_at<std::uint16_t>(bytes + layout.merged_into, vertices),
           array_at<glm::vec2>(bytes + layout.texture_coordinates, view.has_texture_coordinates ? vertices : 0),
-          array_at<MaterialId>(bytes + layout.materials, view.has_materials ? vertices : 0)};
+          array_at<MaterialId>(bytes + layout.materials, view.has_materials ? vertices : 0),
+          image_bytes > 0 ? array_at<std::uint8_t>(image + coordinates, image_bytes - coordinates)
+                          : std::span<const std::uint8_t>(),
+          array_at<glm::u16vec2>(image, image_bytes > 0 ? vertices : 0)};
 }
 
 Hlod::Hlod(const HlodView& view, std::shared_ptr<const void> owner) : view_(view), owner_(std::move(owner)) {}
@@ -147,7 +157,10 @@ void Hlod::require_all() const {
 
 NodeMesh Hlod::mesh(NodeId n) const noexcept {
   assert(is_resident(n));
-  return mesh_at(view_, n, resident_ == nullptr ? view_.meshes.data() + node(n).mesh : resident_[n].get());
+  if (resident_ == nullptr)
+    return mesh_at(view_, n, view_.meshes.data() + node(n).mesh,
+                   view_.images.data() + (view_.node_images.empty() ? 0 : view_.node_images[n].place));
+  return mesh_at(view_, n, resident_[n].get(), resident_[n].get() + padded_mesh_bytes(view_, n));
 }
 
 NodeSplits Hlod::within(NodeId n) const noexcept {
@@ -169,7 +182,7 @@ NodeSplits Hlod::within(NodeId n) const noexcept {
 std::size_t Hlod::bytes() const noexcept {
   return view_.nodes.size_bytes() + view_.patches.size_bytes() + view_.children.size_bytes() +
          view_.roots.size_bytes() + view_.levels.size_bytes() + view_.meshes.size_bytes() + view_.within.size_bytes() +
-         view_.splits.size_bytes();
+         view_.splits.size_bytes() + view_.node_images.size_bytes() + view_.images.size_bytes();
 }
 
 }  // namespace occlod::hlod

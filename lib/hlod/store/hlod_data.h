@@ -39,6 +39,9 @@ struct HlodData {
   float lattice_step = 0.0F;
   glm::dvec3 origin{0.0};
   UpAxis up = UpAxis::z;
+  std::vector<NodeImage> node_images;
+  LargeVector<std::byte> images;
+  std::vector<std::uint8_t> image_materials;
 };
 
 [[nodiscard]] HlodView view_of(const HlodData& data);
@@ -82,8 +85,8 @@ struct SplitsLayout : VertexLayout {
   std::size_t bytes;
 };
 
-// Returns the mesh of node n, whose arrays begin at `bytes`.
-[[nodiscard]] NodeMesh mesh_at(const HlodView& view, NodeId n, const std::byte* bytes) noexcept;
+// Returns the mesh of node n, whose arrays begin at `bytes`, and whose image, where it has one, at `image`.
+[[nodiscard]] NodeMesh mesh_at(const HlodView& view, NodeId n, const std::byte* bytes, const std::byte* image) noexcept;
 
 // These are the checks of validate() for an HLOD whose meshes lie elsewhere: `mesh_bytes` is the size of all of them,
 // and `mesh` is that of node n. They return the first problem, or nothing.
@@ -92,6 +95,16 @@ struct SplitsLayout : VertexLayout {
 
 constexpr std::uint64_t align_mesh(std::uint64_t offset) {
   return (offset + mesh_alignment - 1) / mesh_alignment * mesh_alignment;
+}
+
+// Returns the size of the mesh of node n with padding for what follows.
+[[nodiscard]] inline std::size_t padded_mesh_bytes(const HlodView& view, NodeId n) {
+  return align_mesh(MeshLayout(view.nodes[n], arrays_of(view)).bytes);
+}
+
+// Returns the size of the image of node n in memory; 0 where it has none.
+[[nodiscard]] inline std::size_t image_bytes_of(const HlodView& view, NodeId n) noexcept {
+  return view.node_images.empty() ? 0 : view.node_images[n].bytes;
 }
 
 // Lets an HLOD be used before all of it has been read: mesh and splits of each node are checked when they are first

@@ -14,9 +14,11 @@
 
 #include "base/memory.h"
 #include "base/platform.h"
+#include "base/threads.h"
 #include "hlod/store/hlod_data.h"
 #include "hlod/store/mesh_loader.h"
 #include "hlod/store/node_codec.h"
+#include "hlod/texture/own_images.h"
 #include "mesh/section_file.h"
 #include "occlod/base.h"
 #include "occlod/hlod.h"
@@ -102,9 +104,18 @@ Summary summary_of(const hlod::HlodView& view) {
 }  // namespace
 
 void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report,
-                 OlodCompression compression, const std::filesystem::path& image_folder) {
+                 OlodCompression compression, const std::filesystem::path& image_folder, OhlodImages images) {
   hlod.require_all();
-  const hlod::HlodView& view = hlod.data();
+  hlod::HlodView view = hlod.data();
+  hlod::OwnImages own;
+  if (images == OhlodImages::nodes && view.node_images.empty() && view.within.empty())
+    own = make_own_images(hlod, image_folder, thread_count(0));
+  if (!own.table.empty()) {
+    view.nodes = own.nodes;
+    view.node_images = own.table;
+    view.images = own.bytes;
+    view.image_materials = own.materials;
+  }
   const std::size_t nodes = view.nodes.size();
   const bool is_packed = compression == OlodCompression::zstd;
   SectionWriter writer;
@@ -132,11 +143,17 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
     else
       splits.add(splits_name, view.splits, nodes, [&](hlod::NodeId n) { return digest_of_splits(view, n); });
   }
+  if (!view.node_images.empty()) {
+    writer.add(node_images_name, view.node_images);
+    writer.add(image_materials_name, view.image_materials);
+    writer.add(images_name, view.images, Check::parts);
+  }
   MaterialSections materials;
   if (needs_wedges(view) || view.up != UpAxis::z) materials.add(view, writer, {image_folder, folder_of(path)});
   FileKind kind = file_kind;
   kind.version = is_packed ? packed_version : needs_wedges(view) ? wedges_version : plain_version;
-  if (writer.add_origin(view.origin)) kind.version = ohlod_version;
+  if (writer.add_origin(view.origin)) kind.version = origin_version;
+  if (!view.node_images.empty()) kind.version = ohlod_version;
   writer.write(path, kind);
 }
 
@@ -206,6 +223,14 @@ Tables read_tables(const std::shared_ptr<SectionReader>& reader) {
   view.up = tables.owner->materials.up;
   tables.report = reader->read_report();
   if (reader->has(packed_meshes_name)) tables.compression = OlodCompression::zstd;
+  if (reader->has(node_images_name)) {
+    view.node_images = reader->read<hlod::NodeImage>(node_images_name);
+    view.image_materials = reader->read<std::uint8_t>(image_materials_name);
+    const std::uint64_t end = reader->bytes_of(images_name);
+    for (const hlod::NodeImage& image : view.node_images)
+      if (image.place > end || image.bytes > end - image.place)
+        reader->refuse("section NIMG", "has an image outside of section IMGS");
+  }
   return tables;
 }
 
@@ -227,8 +252,7 @@ struct Extent {
 
 // Returns the extent of a mesh with padding for the next.
 Extent mesh_extent(const hlod::HlodView& view, hlod::NodeId n) {
-  const hlod::Node& node = view.nodes[n];
-  return {node.mesh, hlod::align_mesh(hlod::MeshLayout(node, arrays_of(view)).bytes)};
+  return {view.nodes[n].mesh, hlod::padded_mesh_bytes(view, n)};
 }
 
 Extent splits_extent(const hlod::HlodView& view, hlod::NodeId n) {
@@ -308,6 +332,10 @@ class FileGuard final : public hlod::NodeGuard {
 
  private:
   void check_node(hlod::NodeId n) override {
+    if (const std::size_t bytes = image_bytes_of(view_, n);
+        bytes > 0 &&
+        checksum_of(view_.images.subspan(view_.node_images[n].place, bytes)) != view_.node_images[n].checksum)
+      owner_->reader->refuse(fmt::format("image of node {}", n), "is damaged: its checksum is wrong");
     const auto unpack = [&](NodeUnpacker& unpacker, auto packed, auto raw) {
       return unpacker.unpack_mesh(view_, n, packed, raw);
     };
@@ -355,16 +383,17 @@ class FileMeshes final : public hlod::MeshSource {
         digests_(digests),
         packed_(packed),
         place_(reader_->offset_of(packed_ ? packed_meshes_name : meshes_name)),
+        images_place_(view.node_images.empty() ? 0 : reader_->offset_of(images_name)),
         bytes_(packed_ ? packed_->unpacked_bytes : reader_->bytes_of(meshes_name)) {}
 
   [[nodiscard]] std::size_t bytes_of(hlod::NodeId n) const noexcept override {
-    const Extent extent = mesh_extent(view_, n);
-    return std::min(extent.bytes, bytes_ - extent.place);
+    const std::size_t image = image_bytes_of(view_, n);
+    return image > 0 ? mesh_extent(view_, n).bytes + image : mesh_bytes_of(n);
   }
 
   [[nodiscard]] hlod::StoredMesh stored(hlod::NodeId n) const noexcept override {
     if (packed_) return {packed_->places[n], packed_->bytes_of(n)};
-    return {view_.nodes[n].mesh, bytes_of(n)};
+    return {view_.nodes[n].mesh, mesh_bytes_of(n)};
   }
 
   void read(hlod::NodeId first, std::span<const std::span<std::byte>> meshes) override {
@@ -380,25 +409,50 @@ class FileMeshes final : public hlod::MeshSource {
     const std::span<const std::byte> bytes(stored_mesh.get(), stored(n).bytes);
     bool is_whole = checksum_of(bytes) == digests_[n];
     hlod::MeshBytes mesh = std::move(stored_mesh);
-    if (is_whole && packed_) {
-      auto unpacked = std::make_unique_for_overwrite<std::byte[]>(bytes_of(n));
-      is_whole = unpacker_.unpack_mesh(view_, n, bytes, {unpacked.get(), bytes_of(n)});
-      mesh = std::move(unpacked);
+    const std::size_t all = bytes_of(n);
+    if (is_whole && (packed_ || all > bytes.size())) {
+      auto whole = std::make_unique_for_overwrite<std::byte[]>(all);
+      const std::span<std::byte> raw(whole.get(), mesh_bytes_of(n));
+      if (packed_)
+        is_whole = unpacker_.unpack_mesh(view_, n, bytes, raw);
+      else
+        std::ranges::copy(bytes, raw.begin());
+      mesh = std::move(whole);
     }
     if (!is_whole) reader_->refuse(fmt::format("node {}", n), "is damaged: its checksum is wrong");
-    if (const auto problem = check_mesh(view_, n, mesh_at(view_, n, mesh.get())))
+    const std::size_t image_bytes = image_bytes_of(view_, n);
+    if (image_bytes > 0) read_image(n, {mesh.get() + (all - image_bytes), image_bytes});
+    if (const auto problem = check_mesh(view_, n, mesh_at(view_, n, mesh.get(), mesh.get() + (all - image_bytes))))
       reader_->refuse(fmt::format("node {}", n), "has no valid mesh: " + *problem);
     return mesh;
   }
 
  private:
+  // Returns the size of the mesh in memory without the image. The last one has no padding.
+  [[nodiscard]] std::size_t mesh_bytes_of(hlod::NodeId n) const noexcept {
+    const Extent extent = mesh_extent(view_, n);
+    return std::min(extent.bytes, bytes_ - extent.place);
+  }
+
+  void read_image(hlod::NodeId n, std::span<std::byte> image) {
+    const std::string place = fmt::format("image of node {}", n);
+    try {
+      file_->read(image, images_place_ + view_.node_images[n].place);
+    } catch (const std::system_error& error) {
+      reader_->refuse(place, fmt::format("cannot be read: {}", error.code().message()), "check that the file is whole");
+    }
+    if (checksum_of(image) != view_.node_images[n].checksum)
+      reader_->refuse(place, "is damaged: its checksum is wrong");
+  }
+
   std::shared_ptr<const InputFile> file_;
   std::shared_ptr<const SectionReader> reader_;
   hlod::HlodView view_;
   std::span<const std::uint64_t> digests_;
   std::optional<PackedNodes> packed_;
-  std::uint64_t place_;  // in the file
-  std::uint64_t bytes_;  // in memory, of all meshes
+  std::uint64_t place_;         // in the file
+  std::uint64_t images_place_;  // likewise; 0 without images
+  std::uint64_t bytes_;         // in memory, of all meshes
   NodeUnpacker unpacker_;
 };
 
@@ -430,6 +484,7 @@ OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access) {
       view.splits = reader->read<std::byte>(splits_name, Check::parts);
     }
   }
+  if (!view.node_images.empty()) view.images = reader->read<std::byte>(images_name, Check::parts);
   digests.meshes = check_nodes(*reader, view, view.meshes.size());
   if (digests.splits.size() != view.within.size())
     reader->refuse("section WBLK", "does not have a checksum for every node");

@@ -10,6 +10,8 @@
 
 namespace occlod::ohlod {
 
+// Of files with an origin, but without images of nodes.
+inline constexpr std::uint32_t origin_version = 7;
 // These are the versions of files without an origin: packed or not, and of the latter, with and without texture
 // coordinates, materials or seams.
 inline constexpr std::uint32_t packed_version = 6, wedges_version = 5, plain_version = 4;
@@ -35,7 +37,8 @@ struct Summary {
 static_assert(sizeof(Summary) == 56);
 
 // Files hold these structures as they are in memory.
-static_assert(sizeof(hlod::Patch) == 12 && sizeof(hlod::Node) == 112 && sizeof(hlod::NodeWithin) == 24);
+static_assert(sizeof(hlod::Patch) == 12 && sizeof(hlod::Node) == 112 && sizeof(hlod::NodeWithin) == 24 &&
+              sizeof(hlod::NodeImage) == 24);
 
 // Tells which attributes meshes have, in files of wedges_version or later.
 enum WedgeFlag : std::uint32_t { has_texture_coordinates = 1, has_materials = 2, has_seams = 4, all_wedge_flags = 7 };
@@ -52,7 +55,8 @@ enum WedgeFlag : std::uint32_t { has_texture_coordinates = 1, has_materials = 2,
 
 // The section lattice_name holds one float, HlodView::lattice_step, where there is one.
 inline constexpr std::string_view summary_name = "INFO", lattice_name = "LATT", meshes_name = "MESH",
-                                  digests_name = "BLOK", splits_name = "WSPL", splits_digests_name = "WBLK";
+                                  digests_name = "BLOK", splits_name = "WSPL", splits_digests_name = "WBLK",
+                                  node_images_name = "NIMG", images_name = "IMGS", image_materials_name = "IMAT";
 
 // A packed file has these sections instead of meshes_name and splits_name: the output of node_codec.h for each node,
 // and the places where each begins, followed by the end of the last.

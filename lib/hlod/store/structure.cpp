@@ -117,6 +117,9 @@ class StructureCheck {
     for (std::size_t m = 0; m < d_.materials.size(); ++m)
       if (d_.materials[m].texture_beyond(d_.textures.size()) != no_texture)
         return fmt::format("material {} has a texture that is not there", m);
+    if (!d_.node_images.empty() &&
+        (d_.node_images.size() != d_.nodes.size() || d_.image_materials.size() != d_.materials.size()))
+      return "images of nodes do not tell of all nodes and materials";
     return {};
   }
 
@@ -137,7 +140,17 @@ class StructureCheck {
     if (node.mesh % mesh_alignment != 0 || node.mesh > mesh_bytes_ ||
         MeshLayout(node, arrays_of(d_)).bytes > mesh_bytes_ - node.mesh)
       return "has a mesh outside the meshes";
+    if (!d_.node_images.empty() && !is_image(d_.node_images[n], node)) return "has an image outside the images";
     return check_patches(node);
+  }
+
+  // Images of an HLOD with a store lie elsewhere, where reading checks their places.
+  [[nodiscard]] bool is_image(const NodeImage& image, const Node& node) const {
+    if (image.bytes == 0) return true;
+    const bool is_within =
+        d_.images.empty() || (image.place <= d_.images.size() && image.bytes <= d_.images.size() - image.place);
+    return is_within && image.place % mesh_alignment == 0 && image.bytes > node.vertices * sizeof(glm::u16vec2) &&
+           is_length(image.texel_size);
   }
 
   Problem check_patches(const Node& node) {

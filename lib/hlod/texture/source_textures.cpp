@@ -278,6 +278,12 @@ glm::dvec2 SourceTextures::texels(std::uint32_t image, const glm::vec2& coordina
   return from_top(coordinates, origin_) * glm::dvec2(finest.width, finest.height);
 }
 
+TextureFormat SourceTextures::usual_format() const noexcept {
+  return std::ranges::all_of(images_, &SourceImage::is_jpeg) ? TextureFormat::jpeg : TextureFormat::png;
+}
+
+glm::dvec2 SourceTextures::place(const glm::vec2& coordinates) const noexcept { return from_top(coordinates, origin_); }
+
 glm::vec2 SourceTextures::coordinates(const glm::dvec2& place) const noexcept {
   return {place.x, origin_ == TextureOrigin::top_left ? place.y : 1.0 - place.y};
 }

@@ -61,12 +61,15 @@ class SourceTextures {
   }
   [[nodiscard]] const SourceImage& image(std::uint32_t number) const noexcept { return images_[number]; }
   [[nodiscard]] const std::vector<SourceImage>& images() const noexcept { return images_; }
+  // Returns JPEG where all images that are divided are, else PNG.
+  [[nodiscard]] TextureFormat usual_format() const noexcept;
   [[nodiscard]] const std::vector<SharedImage>& shared() const noexcept { return shared_; }
 
   // Returns the place of texture coordinates in an image, texels from its top left corner.
   [[nodiscard]] glm::dvec2 texels(std::uint32_t image, const glm::vec2& coordinates) const noexcept;
-  // Returns the texture coordinates of a place in [0, 1] from the top left corner of a tile's image.
+  // Returns the texture coordinates of a place in [0, 1] from the top left corner of a tile's image, and the reverse.
   [[nodiscard]] glm::vec2 coordinates(const glm::dvec2& place) const noexcept;
+  [[nodiscard]] glm::dvec2 place(const glm::vec2& coordinates) const noexcept;
 
  private:
   class Planner;

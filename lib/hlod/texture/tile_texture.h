@@ -12,10 +12,12 @@
 namespace occlod::tiles {
 
 struct TileImage {
-  int width = 0, height = 0;             // multiples of 4; 0: the tile shows no divided image
-  std::vector<glm::u8vec4> pixels;       // sRGB and alpha, rows from the top
-  std::vector<std::uint8_t> is_of_tile;  // by material: it shows this image, in place of its own
-  double texel_size = 0.0;               // object units, of the largest that is larger than its source's; 0: none
+  int width = 0, height = 0;               // multiples of 4; 0: the tile shows no divided image
+  std::vector<glm::u8vec4> pixels;         // sRGB and alpha, rows from the top
+  std::vector<std::uint8_t> is_free;       // by pixel: nothing reads it, and it may have any colour
+  std::vector<std::uint8_t> is_of_tile;    // by material: it shows this image, in place of its own
+  std::vector<std::uint8_t> is_of_vertex;  // by vertex: a triangle of such a material has it
+  double texel_size = 0.0;                 // object units, of the largest that is larger than its source's; 0: none
   std::uint64_t charts = 0;
 };
 
@@ -28,5 +30,9 @@ struct TileImage {
 // over an area, in linear light, of what their chart alone shows; what no triangle shows is filled with what is near.
 // The same arguments give the same pixels. O(n log n + texels).
 [[nodiscard]] TileImage make_tile_image(TriangleMesh& mesh, const SourceTextures& sources, double texel_size);
+
+// Encodes the pixels, free ones in the colours that take the fewest bytes; PNG where one is not opaque, whatever the
+// format. O(pixels).
+[[nodiscard]] std::vector<std::uint8_t> encode(TileImage image, TextureFormat format);
 
 }  // namespace occlod::tiles

@@ -24,13 +24,13 @@
 #include "base/option_checker.h"
 #include "base/strict_json.h"
 #include "base/threads.h"
+#include "hlod/texture/own_images.h"
 #include "hlod/texture/source_textures.h"
 #include "hlod/texture/tile_texture.h"
 #include "hlod/tiles/encode_tile.h"
 #include "hlod/tiles/tile_mesh.h"
 #include "hlod/tiles/tile_tree.h"
 #include "hlod/tiles/tileset_files.h"
-#include "mesh/image_codec.h"
 #include "mesh/image_files.h"
 #include "occlod/base.h"
 #include "occlod/hlod.h"
@@ -330,12 +330,8 @@ class TilesetWriter {
 
   void count_sources() {
     counts_.images_shared = sources_.shared();
-    bool is_jpeg = true;
-    for (const SourceImage& image : sources_.images()) {
-      counts_.source_texels += image.levels[0].pixels.size();
-      is_jpeg = is_jpeg && image.is_jpeg;
-    }
-    texture_format_ = options_.texture_format.value_or(is_jpeg ? TextureFormat::jpeg : TextureFormat::png);
+    for (const SourceImage& image : sources_.images()) counts_.source_texels += image.levels[0].pixels.size();
+    texture_format_ = options_.texture_format.value_or(sources_.usual_format());
   }
 
   // Any number of threads may call this.
@@ -350,22 +346,17 @@ class TilesetWriter {
       add_content(n, std::move(tile), 0.0, made);
       return made;
     }
-    const double texel_size = texel_size_of(hlod_.node(n), mean);
+    const double texel_size = hlod::texel_size_of(hlod_.node(n), hlod_.node(n).guaranteed_error, mean);
     add_content(n, tile, texel_size, made);
     const hlod::NodeId parent = parent_of(hlod_, n);
     if (parent == no_id) return made;
-    double coarser = 2.0 * std::max(texel_size, mean);
-    double texels = static_cast<double>(made.counts.texels) / 4.0;
+    constexpr double by = hlod::coarser_by, fewer = by * by;
+    double coarser = by * std::max(texel_size, mean);
+    double texels = static_cast<double>(made.counts.texels) / fewer;
     for (; texels >= least_texels && coarser * std::numbers::sqrt2 < hlod_.node(parent).guaranteed_error;
-         coarser *= 2.0, texels /= 4.0)
+         coarser *= by, texels /= fewer)
       add_content(n, tile, coarser, made);
     return made;
-  }
-
-  // Returns the size of texels that a node's error needs, object units. Each level halves the resolution at least, as
-  // geometry does: else flat surfaces, which have no error, would show the whole source again and again.
-  [[nodiscard]] static double texel_size_of(const hlod::Node& node, double mean) {
-    return node.level == 0 ? 0.0 : std::max<double>(node.guaranteed_error, std::ldexp(mean, node.level));
   }
 
   // Adds a tile of the node, with texels of that size.
@@ -385,9 +376,7 @@ class TilesetWriter {
     if (image.width == 0) return 0.0;
     counts.texels += image.pixels.size();
     counts.charts += image.charts;
-    const bool is_opaque = std::ranges::all_of(image.pixels, [](const glm::u8vec4& p) { return p.a == 255; });
-    const bool is_jpeg = texture_format_ == TextureFormat::jpeg && is_opaque;
-    tile.image.bytes = is_jpeg ? encode_jpeg(image.pixels, image.width) : encode_png(image.pixels, image.width);
+    tile.image.bytes = encode(image, texture_format_);
     tile.image.is_shown_by = std::move(image.is_of_tile);
     counts.texture_bytes += tile.image.bytes.size();
     return image.texel_size;

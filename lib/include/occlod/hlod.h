@@ -106,6 +106,19 @@ struct NodeMesh {
   std::span<const std::uint16_t> merged_into;
   std::span<const glm::vec2> texture_coordinates;  // as in the input, one per vertex; empty when it had none
   std::span<const MaterialId> materials;  // one per vertex, the same at all corners of a triangle; empty: all 0
+  // Where HlodView::node_images has one: an image of the node's own (PNG or JPEG), and by vertex its place there, as
+  // shares of 65,535 of width and height from the top left. They take the place of texture_coordinates and of the image
+  // of those materials that HlodView::image_materials marks; other vertices are at (0, 0).
+  std::span<const std::uint8_t> image = {};
+  std::span<const glm::u16vec2> image_coordinates = {};  // one per vertex, as said above; empty without an image
+};
+
+// Where a node's own image is.
+struct NodeImage {
+  std::uint64_t place = 0;     // in HlodView::images
+  std::uint64_t checksum = 0;  // XXH3-64 of it
+  std::uint32_t bytes = 0;     // of the coordinates of all vertices, 4 each, and the image behind them; 0: it has none
+  float texel_size = 0.0F;     // of the largest texel that is larger than its source's, object units; 0: none
 };
 
 // What refinement within a node needs, beside its mesh.
@@ -159,6 +172,9 @@ struct HlodView {
   float lattice_step = 0.0F;  // all coordinates are multiples of it, HlodBuildOptions::quantise_bits; 0: as the input's
   glm::dvec3 origin{0.0};     // coordinates are origin + position, see TriangleMesh::origin and positions_to_world()
   UpAxis up = UpAxis::z;      // of the input
+  std::span<const NodeImage> node_images;         // by node; empty where nodes have no images of their own
+  std::span<const std::byte> images;              // that node_images tells of; empty of an HLOD with a store
+  std::span<const std::uint8_t> image_materials;  // by material: 1 where nodes show it by their own images
 };
 
 inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes, and of its splits

@@ -107,11 +107,11 @@ namespace occlod {
 
 // The .ohlod file: an HLOD as versioned, checksummed sections. The layout is described in docs/internals/formats.md.
 
-// Version of files with an origin. Others have version 6 when compressed, else 5, or 4 without texture coordinates,
-// materials and seams.
+// Version of files whose nodes have images of their own. Others have version 7 with an origin, else 6 when compressed,
+// else 5, or 4 without texture coordinates, materials and seams.
 // read_ohlod() reads also versions 1 to 3, in which boxes of nodes do not hold what has vanished: it takes the larger
 // boxes around all that is below in their place, so what is drawn is right, but more of it is than of a new file.
-inline constexpr std::uint32_t ohlod_version = 7;
+inline constexpr std::uint32_t ohlod_version = 8;
 
 // What a file holds.
 struct OhlodFile {
@@ -121,11 +121,23 @@ struct OhlodFile {
   std::uint32_t version = ohlod_version;                // likewise
 };
 
+// What a file has of the images that materials name.
+enum class OhlodImages {
+  named,  // their names, and those that the mesh's file held
+  nodes,  // also an image for each node, of what its triangles show, where images can be divided among nodes
+};
+
 // Writes beside `path` and renames, so that a file that was there stays as it was when writing fails. The same
 // arguments give the same bytes. With compression meshes and splits of nodes take about half their bytes, none of them
 // lost, node by node. `image_folder` is as for write_olod(). Throws Error that names the file. O(bytes).
+//
+// OhlodImages::nodes finds images in `image_folder` and packs what each node shows of them anew, on all cores, as
+// tiles::write_tileset() does: with the texels of the input on level 0, others with about one for each error; errors of
+// nodes are then no less than their texels. Nodes have none where the HLOD has splits within nodes, whose coordinates
+// they would need; those that it has are written in any case. O(texels), and 7 bytes for each texel of the input.
 void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report,
-                 OlodCompression compression = OlodCompression::zstd, const std::filesystem::path& image_folder = {});
+                 OlodCompression compression = OlodCompression::zstd, const std::filesystem::path& image_folder = {},
+                 OhlodImages images = OhlodImages::named);
 
 // Reads a file: checks magic, version, sizes, and all that is known of nodes without their meshes: O(nodes). The mesh
 // of a node is checked (checksum and content) when Hlod::require() is first called for it, its splits when

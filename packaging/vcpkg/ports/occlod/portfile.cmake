@@ -14,7 +14,8 @@ vcpkg_cmake_configure(
     -DOCCLOD_WARNINGS_AS_ERRORS=OFF
     -DOCCLOD_WITH_CGAL=OFF
     -DOCCLOD_WITH_MESHOPTIMIZER=OFF
-    -DOCCLOD_WITH_OPENMESH=OFF)
+    -DOCCLOD_WITH_OPENMESH=OFF
+    -DOCCLOD_WITH_ZLIB=OFF)
 vcpkg_cmake_install()
 vcpkg_cmake_config_fixup(CONFIG_PATH lib/cmake/occlod)
 vcpkg_fixup_pkgconfig()

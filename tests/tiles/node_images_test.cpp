@@ -1,0 +1,223 @@
+// Images of nodes in .ohlod files: what they show, how they are paged, and what becomes of damaged ones.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <glm/glm.hpp>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "hlod/store/hlod_data.h"
+#include "hlod/store/ohlod.h"
+#include "mesh/image_codec.h"
+#include "occlod/base.h"
+#include "occlod/build_hlod.h"
+#include "occlod/node_store.h"
+#include "tile_support.h"
+
+namespace occlod {
+namespace {
+
+using hlod::NodeId;
+using tiles::test::Folder;
+
+constexpr int side = 256;
+
+// A sheet of hills that shows an image whose colour is a function of the place: red grows along x, green along y.
+TriangleMesh hills() {
+  TriangleMesh mesh;
+  mesh.texture_origin = TextureOrigin::top_left;
+  mesh.materials.resize(2);
+  mesh.materials[1].texture = 0;
+  std::vector<glm::u8vec4> pixels;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) pixels.emplace_back(x, y, 40, 255);
+  mesh.textures.resize(1);
+  mesh.textures[0].mime_type = "image/png";
+  mesh.textures[0].bytes = encode_png(pixels, side);
+  constexpr int n = 64;
+  for (int y = 0; y <= n; ++y)
+    for (int x = 0; x <= n; ++x) {
+      const glm::vec2 at = glm::vec2(x, y) / static_cast<float>(n);
+      mesh.positions.emplace_back(at * 64.0F, 3.0F * std::sin(20.0F * at.x) * std::cos(15.0F * at.y));
+      mesh.texture_coordinates.push_back(glm::mix(glm::vec2(0.02F), glm::vec2(0.98F), at));
+    }
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) {
+      const auto a = static_cast<VertexId>(y * (n + 1) + x);
+      const VertexId b = a + n + 1;
+      mesh.triangles.emplace_back(a, a + 1, b);
+      mesh.triangles.emplace_back(a + 1, b + 1, b);
+    }
+  mesh.triangle_materials.assign(mesh.triangles.size(), 1);
+  return mesh;
+}
+
+const hlod::Hlod& built() {
+  static const hlod::Hlod hlod = [] {
+    hlod::HlodBuildOptions options;
+    options.node_triangles = 256;
+    return build_hlod(hills(), options);
+  }();
+  return hlod;
+}
+
+std::vector<char> bytes_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string problem_of(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+class NodeImages : public ::testing::TestWithParam<OlodCompression> {
+ protected:
+  NodeImages() { write_ohlod(file_, built(), {}, GetParam(), {}, OhlodImages::nodes); }
+
+  // Where the image of a node begins in the file.
+  [[nodiscard]] std::uint64_t place_of(NodeId n) const {
+    sections::SectionReader reader(file_, ohlod::file_kind, true);
+    return reader.offset_of(ohlod::images_name) + reader.read<hlod::NodeImage>(ohlod::node_images_name)[n].place;
+  }
+  void damage(NodeId n) const {
+    std::fstream stream(file_, std::ios::binary | std::ios::in | std::ios::out);
+    stream.seekp(static_cast<std::streamoff>(place_of(n)));
+    stream << "damaged";
+  }
+
+  Folder folder_;
+  std::filesystem::path file_ = folder_ / "hills.ohlod";
+};
+
+INSTANTIATE_TEST_SUITE_P(Of, NodeImages, ::testing::Values(OlodCompression::none, OlodCompression::zstd),
+                         [](const auto& of) { return of.param == OlodCompression::none ? "plain" : "packed"; });
+
+// At its corner a vertex shows the colour of its place: within two values on level 0, where texels are copied, and
+// within a texel's width of colours elsewhere, whose means are of what lies within the chart alone.
+TEST_P(NodeImages, ShowTheInput) {
+  const OhlodFile file = read_ohlod(file_);
+  EXPECT_EQ(file.version, ohlod_version);
+  ASSERT_EQ(file.hlod.data().node_images.size(), built().node_count());
+  EXPECT_TRUE(std::ranges::equal(file.hlod.data().image_materials, std::vector<std::uint8_t>{0, 1}));
+  std::size_t leaf_texels = 0, other_texels = 0;
+  for (NodeId n = 0; n < built().node_count(); ++n) {
+    file.hlod.require(n);
+    const hlod::NodeMesh mesh = file.hlod.mesh(n);
+    ASSERT_EQ(mesh.image_coordinates.size(), mesh.positions.size());
+    const Texels image = decode_texels(mesh.image, "image");
+    (built().node(n).level == 0 ? leaf_texels : other_texels) += image.pixels.size();
+    const double texel = file.hlod.data().node_images[n].texel_size, source_texel = 64.0 / (0.96 * side);
+    EXPECT_EQ(texel == 0.0, built().node(n).level == 0);
+    const double most = 2.0 + texel / source_texel;  // a value is a texel of the source
+    for (const std::uint16_t v : mesh.indices) {
+      const glm::dvec2 at = glm::dvec2(mesh.image_coordinates[v]) / 65535.0 * glm::dvec2(image.width, image.height);
+      const glm::ivec2 nearest = glm::clamp(glm::ivec2(at), glm::ivec2(0), glm::ivec2(image.width, image.height) - 1);
+      const glm::u8vec4 shown = image.pixels[static_cast<std::size_t>(nearest.y * image.width + nearest.x)];
+      const glm::dvec2 wanted = glm::dvec2(mesh.texture_coordinates[v]) * static_cast<double>(side) - 0.5;
+      EXPECT_NEAR(shown.r, wanted.x, most) << n;
+      EXPECT_NEAR(shown.g, wanted.y, most) << n;
+    }
+  }
+  EXPECT_LT(other_texels, leaf_texels);
+  EXPECT_EQ(validate(file.hlod), std::vector<std::string>());
+}
+
+// Nodes are drawn only where their texels are no larger than the tolerance, as their errors say.
+TEST_P(NodeImages, ErrorsAreNoLessThanTexels) {
+  const OhlodFile file = read_ohlod(file_);
+  for (NodeId n = 0; n < built().node_count(); ++n) {
+    const hlod::Node& node = file.hlod.node(n);
+    EXPECT_GE(node.error, file.hlod.data().node_images[n].texel_size);
+    EXPECT_GE(node.error, built().node(n).error);
+    EXPECT_EQ(node.guaranteed_error, built().node(n).guaranteed_error);
+    for (const NodeId child : file.hlod.children(n)) EXPECT_GE(node.child_error, file.hlod.node(child).error);
+  }
+}
+
+// A file that was read is written as it was, and the same input gives the same file.
+TEST_P(NodeImages, TheSameBytes) {
+  const OhlodFile file = read_ohlod(file_);
+  write_ohlod(folder_ / "again.ohlod", file.hlod, file.report, file.compression);
+  write_ohlod(folder_ / "anew.ohlod", built(), {}, GetParam(), {}, OhlodImages::nodes);
+  EXPECT_EQ(bytes_of(folder_ / "again.ohlod"), bytes_of(file_));
+  EXPECT_EQ(bytes_of(folder_ / "anew.ohlod"), bytes_of(file_));
+}
+
+TEST_P(NodeImages, ComeAndGoWithTheirNodes) {
+  const OhlodFile whole = read_ohlod(file_);
+  const OhlodFile paged = open_ohlod(file_, {.load = hlod::LoadMode::blocking});
+  hlod::NodeStore& store = *paged.hlod.store();
+  std::vector<NodeId> all(built().node_count());
+  std::iota(all.begin(), all.end(), NodeId{0});
+  store.begin_frame();
+  ASSERT_TRUE(store.fetch(all));
+  std::size_t images = 0;
+  for (const NodeId n : all) {
+    whole.hlod.require(n);
+    const hlod::NodeMesh mesh = paged.hlod.mesh(n), truth = whole.hlod.mesh(n);
+    EXPECT_TRUE(std::ranges::equal(mesh.image, truth.image));
+    EXPECT_TRUE(std::ranges::equal(mesh.image_coordinates, truth.image_coordinates));
+    EXPECT_TRUE(std::ranges::equal(mesh.positions, truth.positions));
+    images += mesh.image.size() + 4 * mesh.positions.size();
+  }
+  EXPECT_GE(store.stats().resident_bytes, images);
+}
+
+TEST_P(NodeImages, DamagedOnesAreToldOnceAndTheirNodesStayAway) {
+  const NodeId leaf = built().data().levels[0].first_node;
+  damage(leaf);
+  const std::string name = "image of node " + std::to_string(leaf);
+  const OhlodFile whole = read_ohlod(file_);
+  EXPECT_NE(problem_of([&] { whole.hlod.require(leaf); }).find(name), std::string::npos);
+  EXPECT_EQ(problem_of([&] { whole.hlod.require(leaf + 1); }), "");
+  const OhlodFile paged = open_ohlod(file_, {.load = hlod::LoadMode::blocking});
+  hlod::NodeStore& store = *paged.hlod.store();
+  store.begin_frame();
+  EXPECT_FALSE(store.fetch({&leaf, 1}));
+  const std::vector<std::string> failures = store.take_failures();
+  ASSERT_EQ(failures.size(), 1U);
+  EXPECT_NE(failures[0].find(name), std::string::npos);
+  EXPECT_EQ(failures[0].find('\n'), std::string::npos);
+  EXPECT_TRUE(store.take_failures().empty());
+}
+
+// A table that leads outside of the images is refused before anything is read there.
+TEST(NodeImageTable, MustLieWithinTheImages) {
+  Folder folder;
+  const std::filesystem::path file = folder / "hills.ohlod";
+  write_ohlod(file, built(), {}, OlodCompression::zstd, {}, OhlodImages::nodes);
+  const OhlodFile good = read_ohlod(file);
+  hlod::HlodData data = copy_data(good.hlod);
+  EXPECT_FALSE(check_structure(view_of(data)));
+  data.node_images[1].place = data.images.size();
+  EXPECT_TRUE(check_structure(view_of(data)));
+  data = copy_data(good.hlod);
+  data.node_images.pop_back();
+  EXPECT_TRUE(check_structure(view_of(data)));
+  data = copy_data(good.hlod);
+  data.node_images[1].bytes = 4 * data.nodes[1].vertices;  // coordinates, and no image behind them
+  EXPECT_TRUE(check_structure(view_of(data)));
+}
+
+TEST(NodeImageTable, IsThereOnRequestAlone) {
+  Folder folder;
+  write_ohlod(folder / "named.ohlod", built(), {});
+  const OhlodFile named = read_ohlod(folder / "named.ohlod");
+  EXPECT_TRUE(named.hlod.data().node_images.empty());
+  EXPECT_LT(named.version, ohlod_version);
+  named.hlod.require(0);
+  EXPECT_TRUE(named.hlod.mesh(0).image.empty());
+}
+
+}  // namespace
+}  // namespace occlod
