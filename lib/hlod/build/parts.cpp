@@ -1,0 +1,123 @@
+#include "hlod/build/parts.h"
+
+#include <xxhash.h>
+
+#include <array>
+#include <atomic>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "base/atomic_file.h"
+#include "base/file_input.h"
+#include "base/memory.h"
+#include "base/threads.h"
+#include "hlod/build/build_bytes.h"
+#include "hlod/hlod_builder_id.h"
+#include "occlod/base.h"
+#include "occlod/build_hlod.h"
+
+namespace occlod::hlod {
+namespace {
+
+using Magic = std::array<char, 8>;
+constexpr Magic task_magic = {'O', 'C', 'C', 'L', 'O', 'D', 'H', 'T'};
+constexpr Magic result_magic = {'O', 'C', 'C', 'L', 'O', 'D', 'H', 'N'};
+
+// Precedes what a file holds.
+struct PartHead {
+  Magic magic{};
+  std::array<char, 64> builder{};  // hash of all sources that decide what nodes hold
+  std::uint64_t task = 0;          // XXH3-64 of what follows the head of the task
+  std::uint64_t body = 0;          // XXH3-64 of what follows this head
+};
+static_assert(sizeof(PartHead) == 88);
+
+std::uint64_t checksum_of(std::span<const std::byte> body) { return XXH3_64bits(body.data(), body.size()); }
+
+// Fills in the head of `bytes`, whose body is complete. Returns the checksum of the body.
+std::uint64_t seal(std::vector<std::byte>& bytes, const Magic& magic, std::optional<std::uint64_t> task) {
+  PartHead head;
+  head.magic = magic;
+  static_assert(sizeof(hlod_builder_id) == sizeof(head.builder) + 1);
+  std::copy_n(hlod_builder_id, head.builder.size(), head.builder.begin());
+  head.body = checksum_of(std::span<const std::byte>(bytes).subspan(sizeof(head)));
+  head.task = task.value_or(head.body);
+  std::memcpy(bytes.data(), &head, sizeof(head));
+  return head.body;
+}
+
+// Returns the head of a file of this version that is whole.
+std::optional<PartHead> head_of(std::span<const std::byte> bytes, const Magic& magic) {
+  PartHead head;
+  if (bytes.size() < sizeof(head)) return std::nullopt;
+  std::memcpy(&head, bytes.data(), sizeof(head));
+  if (head.magic != magic || !std::equal(head.builder.begin(), head.builder.end(), hlod_builder_id)) return std::nullopt;
+  if (head.body != checksum_of(bytes.subspan(sizeof(head)))) return std::nullopt;
+  return head;
+}
+
+void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  AtomicFile file(path);
+  file.write(bytes);
+  file.commit();
+}
+
+// Reads the groups of a task.
+std::vector<GroupInput> unpack_task(std::span<const std::byte> body, GroupRules& rules) {
+  std::uint32_t count = 0;
+  get_bytes(body, writable_bytes_of(rules));
+  get_bytes(body, writable_bytes_of(count));
+  std::vector<GroupInput> groups(count);
+  for (GroupInput& group : groups) get_arrays(body, group);
+  return groups;
+}
+
+}  // namespace
+
+PartTask pack_task(const GroupRules& rules, std::span<const GroupInput> groups) {
+  PartTask task;
+  task.bytes.resize(sizeof(PartHead));
+  put_bytes(task.bytes, bytes_of(rules));
+  put_bytes(task.bytes, bytes_of(static_cast<std::uint32_t>(groups.size())));
+  for (const GroupInput& group : groups) put_arrays(task.bytes, group);
+  task.checksum = seal(task.bytes, task_magic, std::nullopt);
+  return task;
+}
+
+void write_task(const std::filesystem::path& path, const PartTask& task) { write_file(path, task.bytes); }
+
+std::filesystem::path result_of(std::filesystem::path task) { return task.replace_extension(result_extension); }
+
+bool read_result(const std::filesystem::path& result, std::uint64_t task_checksum, std::span<SimplifiedNode> nodes) {
+  if (!std::filesystem::exists(result)) return false;
+  const LargeVector<std::byte> bytes = read_whole(result);
+  const std::optional<PartHead> head = head_of(bytes, result_magic);
+  if (!head || head->task != task_checksum) return false;
+  std::span<const std::byte> body = std::span<const std::byte>(bytes).subspan(sizeof(PartHead));
+  for (SimplifiedNode& node : nodes) get_node(body, node);
+  return true;
+}
+
+void simplify_part(const std::filesystem::path& path, int threads) {
+  const LargeVector<std::byte> task = read_whole(path);
+  const std::optional<PartHead> head = head_of(task, task_magic);
+  if (!head)
+    throw Error({path.string(), "", "is no undamaged task of an HLOD build of this version of occlod",
+                 "use the same version on all machines"});
+  GroupRules rules;
+  const std::vector<GroupInput> groups =
+      unpack_task(std::span<const std::byte>(task).subspan(sizeof(PartHead)), rules);
+  std::vector<SimplifiedNode> nodes(groups.size());
+  const std::filesystem::path result = result_of(path);
+  if (read_result(result, head->task, nodes)) return;
+  for_each_task(
+      groups.size(), thread_count(threads), [] { return GroupSimplifier(); },
+      [&](GroupSimplifier& simplifier, std::size_t i) { nodes[i] = simplifier.run(groups[i], rules); }, [] {});
+  std::vector<std::byte> bytes(sizeof(PartHead));
+  for (const SimplifiedNode& node : nodes) put_node(bytes, node);
+  seal(bytes, result_magic, head->task);
+  write_file(result, bytes);
+}
+
+}  // namespace occlod::hlod
