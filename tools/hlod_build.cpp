@@ -82,7 +82,8 @@ void run(const Options& options) {
       build_from_files(options.inputs, limit.has_value(), build_options(options, progress), progress);
   const double build_ms = stopwatch.restart();
   write_interruptibly(options.output, built.hlod.bytes(), progress, [&] {
-    write_ohlod(options.output, built.hlod, built.report, options.compression, folder_of(options.inputs[0]));
+    write_ohlod(options.output, built.hlod, built.report, options.compression, folder_of(options.inputs[0]),
+                options.build.threads);
   });
   if (options.resume) remove_journal(journal_of(options));
   const double write_ms = stopwatch.milliseconds();

@@ -247,12 +247,14 @@ void bind_hlod_class(nb::module_& m) {
       .def(
           "write",
           [](const Hlod& h, const std::filesystem::path& path, const std::optional<MeshReport>& report,
-             OlodCompression compression, const std::filesystem::path& images) {
+             OlodCompression compression, const std::filesystem::path& images, int threads) {
             const ReleasedGil release;
-            write_ohlod(path, h, report.value_or(MeshReport{}), compression, images);
+            write_ohlod(path, h, report.value_or(MeshReport{}), compression, images, threads);
           },
           "path"_a, nb::kw_only(), "report"_a = nb::none(), "compression"_a = OlodCompression::zstd, "images"_a = "",
-          "As .ohlod; compressed node by node. `images` is as in Hierarchy.write().")
+          "threads"_a = 0,
+          "As .ohlod; compressed node by node, by one thread for each core or so many. `images` is as in\n"
+          "Hierarchy.write().")
       .def(
           "has_within", [](const Hlod& h, std::int64_t n) { return h.has_within(checked(h, n)); }, "node"_a,
           "Whether the node has collapses of its own: Within.splits.")
@@ -313,7 +315,7 @@ void build_hlod_file(const std::filesystem::path& input, const std::filesystem::
     report = mesh.report;
     built = build_hlod(mesh.mesh, options, report);
   }
-  write_ohlod(path, built, report, compression, folder);
+  write_ohlod(path, built, report, compression, folder, options.threads);
 }
 
 void bind_building(nb::module_& m) {

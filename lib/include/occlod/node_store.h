@@ -123,9 +123,11 @@ struct OhlodFile {
 
 // Writes beside `path` and renames, so that a file that was there stays as it was when writing fails. The same
 // arguments give the same bytes. With compression meshes and splits of nodes take about half their bytes, none of them
-// lost, node by node. `image_folder` is as for write_olod(). Throws Error that names the file. O(bytes).
+// lost, node by node, by `threads` threads, 0: one for each core. `image_folder` is as for write_olod(). Throws Error
+// that names the file. O(bytes).
 void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report,
-                 OlodCompression compression = OlodCompression::zstd, const std::filesystem::path& image_folder = {});
+                 OlodCompression compression = OlodCompression::zstd, const std::filesystem::path& image_folder = {},
+                 int threads = 0);
 
 // Reads a file: checks magic, version, sizes, and all that is known of nodes without their meshes: O(nodes). The mesh
 // of a node is checked (checksum and content) when Hlod::require() is first called for it, its splits when
