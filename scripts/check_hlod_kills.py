@@ -83,7 +83,7 @@ def main():
     model = given.folder / "terrain.obj"
     if not model.exists():
         write_model(given.folder, given.cells, given.seed)
-    command = [given.occlod, "hlod", "build", model, "--memory", given.memory]
+    command = [given.occlod.resolve(), "hlod", "build", model, "--memory", given.memory]
     built(command, given.folder, "one.ohlod", "--threads", "1")
     seconds = built(command, given.folder, "all.ohlod")
     target, moments, kills = given.folder / "killed.ohlod", random.Random(given.seed), 0

@@ -314,8 +314,8 @@ def build_hlod(
     """Builds the .ohlod file of a scene with the workers of `client`: the bytes that `occlod hlod build` gives.
 
     `scene`: a scene or mesh file, which only this machine reads. `parts`: a folder that all machines see under one name;
-    `path` with ".parts" unless it is given. What is done is kept there until the file is written: the same call goes on where
-    one was ended. `task_threads`: of each task; 0: one for each core of its machine. `retries`: of a task that fails with its
+    `path` with ".parts" unless it is given. What is done is kept there and in `path` with ".journal" until the file is
+    written: the same call goes on where one was ended, and `occlod hlod build --resume` from the journal. `task_threads`: of each task; 0: one for each core of its machine. `retries`: of a task that fails with its
     worker alive; how many workers it may kill is the scheduler's setting `distributed.scheduler.allowed-failures`.
 
     `options`: `node_triangles`, `grouping`, `borders`, `within`, `error_bound`, `quantise_bits`, `threads` (of this machine)
@@ -330,18 +330,20 @@ def build_hlod(
     if path.exists() and scene.exists() and os.path.samefile(path, scene):
         raise Error(str(path), "", "is the scene, which would be overwritten", "name another file")
     folder.mkdir(parents=True, exist_ok=True)
+    journal = path.with_name(path.name + ".journal")
     workers = _Simplifiers(client, task_threads, retries)
     try:
-        build_hlod_file(scene, path, parts=folder, journal=folder / "journal", start=workers.start, finish=workers.finish, **options)
+        build_hlod_file(scene, path, parts=folder, journal=journal, start=workers.start, finish=workers.finish, **options)
     finally:
         workers.cancel()
+    journal.unlink()
     _remove_parts(folder)
     return HlodReport(workers.tasks, workers.worker_seconds, time.monotonic() - begin)
 
 
 def _remove_parts(folder: pathlib.Path) -> None:
     """What the build has made, and what killed workers left; and the folder, unless there is more in it."""
-    for file in [folder / "journal", *folder.glob("level-*.task"), *folder.glob("level-*.nodes"), *folder.glob(".level-*.tmp")]:
+    for file in [*folder.glob("level-*.task"), *folder.glob("level-*.nodes"), *folder.glob(".level-*.tmp")]:
         file.unlink(missing_ok=True)
     if not any(folder.iterdir()):
         folder.rmdir()
