@@ -1,4 +1,6 @@
 // Builds whose groups are simplified elsewhere.
+#include "hlod/build/parts.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +15,6 @@
 
 #include "base/platform.h"
 #include "hlod/build/build_journal.h"
-#include "hlod/build/parts.h"
 #include "hlod_bytes.h"
 #include "occlod/base.h"
 #include "occlod/build_hlod.h"
@@ -48,11 +49,9 @@ std::vector<Story> stories() {
     o.borders = Borders::free;
   });
   add("splits", occlod::test::noisy_sphere(5, 4), [](HlodBuildOptions& o) { o.within = Within::splits; });
-  add("measured", occlod::test::noisy_sphere(5, 5),
-      [](HlodBuildOptions& o) { o.error_bound = ErrorBound::measured; });
+  add("measured", occlod::test::noisy_sphere(5, 5), [](HlodBuildOptions& o) { o.error_bound = ErrorBound::measured; });
   add("charts", occlod::test::cube_of_charts(40), [](HlodBuildOptions&) {});
-  add("charts with splits", occlod::test::cube_of_charts(30),
-      [](HlodBuildOptions& o) { o.within = Within::splits; });
+  add("charts with splits", occlod::test::cube_of_charts(30), [](HlodBuildOptions& o) { o.within = Within::splits; });
   return result;
 }
 
@@ -148,18 +147,17 @@ TEST_F(Parts, ResultsOfABuildThatEndedAreTakenOver) {
   for (const std::size_t k : {std::size_t{0}, std::size_t{1}, std::size_t{17}, all / 2, all - 1}) {
     make_folder();
     std::size_t calls = 0, simplified = 0;
-    EXPECT_THROW(
-        (void)build(story,
-                    [&](const fs::path& task) {
-                      if (calls++ < k) return simplify_part(task, 1);
-                      for (const fs::path& other : files(".task"))
-                        if (other != task && simplified < 5) {
-                          simplify_part(other, 1);
-                          ++simplified;
-                        }
-                      throw std::runtime_error("the end");
-                    }),
-        std::runtime_error);
+    EXPECT_THROW((void)build(story,
+                             [&](const fs::path& task) {
+                               if (calls++ < k) return simplify_part(task, 1);
+                               for (const fs::path& other : files(".task"))
+                                 if (other != task && simplified < 5) {
+                                   simplify_part(other, 1);
+                                   ++simplified;
+                                 }
+                               throw std::runtime_error("the end");
+                             }),
+                 std::runtime_error);
     EXPECT_EQ(build(story), plain);
     EXPECT_EQ(started().size(), all - k - simplified) << "those that were simplified are not again";
   }

@@ -31,7 +31,8 @@ inline void put_bytes(std::vector<std::byte>& to, std::span<const std::byte> byt
   to.insert(to.end(), bytes.begin(), bytes.end());
 }
 
-// Moves the first bytes of `from` to `to`. Precondition: there are as many. A checksum guarantees that put_bytes() wrote them.
+// Moves the first bytes of `from` to `to`. Precondition: there are as many. A checksum guarantees that put_bytes()
+// wrote them.
 inline void get_bytes(std::span<const std::byte>& from, std::span<std::byte> to) {
   assert(to.size() <= from.size());
   std::copy_n(from.begin(), to.size(), to.begin());
@@ -48,7 +49,7 @@ static_assert(sizeof(NodeFacts) == 32 && sizeof(AddedWedge) == 8 && sizeof(Merge
 
 // Calls visit() for each array of a node or of a group, to write or to read it.
 template <typename Node, typename Visit>
-  requires std::is_same_v<std::remove_const_t<Node>, SimplifiedNode>
+requires std::is_same_v<std::remove_const_t<Node>, SimplifiedNode>
 void for_each_array(Node& node, const Visit& visit) {
   visit(node.triangles);
   visit(node.corners);
@@ -64,7 +65,7 @@ void for_each_array(Node& node, const Visit& visit) {
 }
 
 template <typename Group, typename Visit>
-  requires std::is_same_v<std::remove_const_t<Group>, GroupInput>
+requires std::is_same_v<std::remove_const_t<Group>, GroupInput>
 void for_each_array(Group& group, const Visit& visit) {
   visit(group.mesh.positions);
   visit(group.mesh.normals);

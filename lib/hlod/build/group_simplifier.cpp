@@ -18,10 +18,10 @@ std::array<std::uint32_t, 3> sorted(const Triangle& t) {
 }
 
 SimplifiedGroup simplify(const GroupInput& group, const GroupRules& rules) {
-  return simplify_group(group.mesh, group.locked,
-                        {rules.scale, build_weights.boundary, rules.max_cost,
-                         group.mesh.triangle_count() / rules.min_share, rules.keeps_splits != 0,
-                         build_weights.attributes});
+  return simplify_group(
+      group.mesh, group.locked,
+      {rules.scale, build_weights.boundary, rules.max_cost, group.mesh.triangle_count() / rules.min_share,
+       rules.keeps_splits != 0, build_weights.attributes});
 }
 
 Box box_of(std::span<const Box> boxes) {

@@ -52,7 +52,8 @@ std::optional<PartHead> head_of(std::span<const std::byte> bytes, const Magic& m
   PartHead head;
   if (bytes.size() < sizeof(head)) return std::nullopt;
   std::memcpy(&head, bytes.data(), sizeof(head));
-  if (head.magic != magic || !std::equal(head.builder.begin(), head.builder.end(), hlod_builder_id)) return std::nullopt;
+  if (head.magic != magic || !std::equal(head.builder.begin(), head.builder.end(), hlod_builder_id))
+    return std::nullopt;
   if (head.body != checksum_of(bytes.subspan(sizeof(head)))) return std::nullopt;
   return head;
 }
@@ -106,8 +107,7 @@ void simplify_part(const std::filesystem::path& path, int threads) {
     throw Error({path.string(), "", "is no undamaged task of an HLOD build of this version of occlod",
                  "use the same version on all machines"});
   GroupRules rules;
-  const std::vector<GroupInput> groups =
-      unpack_task(std::span<const std::byte>(task).subspan(sizeof(PartHead)), rules);
+  const std::vector<GroupInput> groups = unpack_task(std::span<const std::byte>(task).subspan(sizeof(PartHead)), rules);
   std::vector<SimplifiedNode> nodes(groups.size());
   const std::filesystem::path result = result_of(path);
   if (read_result(result, head->task, nodes)) return;

@@ -190,7 +190,10 @@ void NodeSimplifier::simplify_here(const LevelDraft& below, const GroupRules& ru
     const std::uint32_t count = std::min(groups_at_once, group_count - first);
     std::atomic<std::size_t> done = done_before;
     for_each_task(
-        count, threads_, [&] { return Worker{Gatherer(*this, below), {}}; },
+        count, threads_,
+        [&] {
+          return Worker{Gatherer(*this, below), {}};
+        },
         [&](Worker& worker, std::size_t i) {
           const auto group = static_cast<std::uint32_t>(first + i);
           results[i] = worker.simplifier.run(worker.gatherer.run(group), rules);

@@ -22,8 +22,8 @@ enum class Within {
 };
 
 // Has other processes simplify the groups of a build, which takes most of its time. Each task is a file with all that
-// the groups of one part of a level depend on; the result is a file beside it. A build takes results over that it finds,
-// also those of an earlier build that ended, and removes the files of what it has joined.
+// the groups of one part of a level depend on; the result is a file beside it. A build takes results over that it
+// finds, also those of an earlier build that ended, and removes the files of what it has joined.
 struct HlodParts {
   // A folder that all processes see; empty: the build simplifies its groups itself.
   std::filesystem::path folder = {};
