@@ -70,6 +70,21 @@ def same(a, b):
     return subprocess.run(["cmp", a, b], check=False).returncode == 0
 
 
+def kill_again_and_again(command, folder, seconds, wanted, seed):
+    """At random moments of so many seconds. Builds that end sooner do not count: the next begins anew."""
+    target, moments, kills, start = folder / "killed.ohlod", random.Random(seed), 0, time.monotonic()
+    while kills < wanted:
+        target.unlink(missing_ok=True)
+        with subprocess.Popen([*command, "-o", target, "--resume"], stdout=subprocess.DEVNULL) as process:
+            try:
+                process.wait(moments.uniform(0, seconds))
+            except subprocess.TimeoutExpired:
+                process.kill()
+                kills += 1
+        kept = sum(file.stat().st_size for file in folder.glob("*.journal"))
+        print(f"kill {kills}: after {time.monotonic() - start:.0f} s in all, the journal has {kept / 1e6:.0f} MB", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("occlod", type=pathlib.Path)
@@ -86,18 +101,7 @@ def main():
     command = [given.occlod.resolve(), "hlod", "build", model, "--memory", given.memory]
     built(command, given.folder, "one.ohlod", "--threads", "1")
     seconds = built(command, given.folder, "all.ohlod")
-    target, moments, kills = given.folder / "killed.ohlod", random.Random(given.seed), 0
-    start = time.monotonic()
-    while kills < given.kills:  # those that end sooner than they are killed do not count
-        target.unlink(missing_ok=True)
-        with subprocess.Popen([*command, "-o", target, "--resume"], stdout=subprocess.DEVNULL) as process:
-            try:
-                process.wait(moments.uniform(0, seconds))
-            except subprocess.TimeoutExpired:
-                process.kill()
-                kills += 1
-        print(f"kill {kills}: after {time.monotonic() - start:.0f} s of all, the journal has "
-              f"{sum(file.stat().st_size for file in given.folder.glob('*.journal')) / 1e6:.0f} MB", flush=True)
+    kill_again_and_again(command, given.folder, seconds, given.kills, given.seed)
     built(command, given.folder, "killed.ohlod", "--resume")
     for other in ("all.ohlod", "killed.ohlod"):
         if not same(given.folder / "one.ohlod", given.folder / other):

@@ -47,7 +47,7 @@ struct NodeFacts {
 static_assert(sizeof(NodeFacts) == 32 && sizeof(AddedWedge) == 8 && sizeof(Merge) == 8 &&
               sizeof(SplitsDraft::Split) == 8 && sizeof(GrownBox) == 28);  // no padding, whose bytes nobody has set
 
-// Calls visit() for each array of a node or of a group, to write or to read it.
+// Calls visit() for each array of a node, or of a group but its triangles and boxes, to write or to read it.
 template <typename Node, typename Visit>
 requires std::is_same_v<std::remove_const_t<Node>, SimplifiedNode>
 void for_each_array(Node& node, const Visit& visit) {
@@ -72,31 +72,35 @@ void for_each_array(Group& group, const Visit& visit) {
   visit(group.mesh.colors);
   visit(group.mesh.texture_coordinates);
   visit(group.mesh.extra_wedges);
-  visit(group.mesh.triangles);
-  visit(group.mesh.corners);
   visit(group.mesh.triangle_materials);
   visit(group.vertices);
   visit(group.wedges);
   visit(group.locked);
-  visit(group.boxes);
+}
+
+// An array of trivially copyable values without padding, after their number.
+template <typename T>
+void put_array(std::vector<std::byte>& to, const std::vector<T>& values) {
+  put_bytes(to, bytes_of(static_cast<std::uint32_t>(values.size())));
+  put_bytes(to, std::as_bytes(std::span(values)));
+}
+
+template <typename T>
+void get_array(std::span<const std::byte>& from, std::vector<T>& values) {
+  std::uint32_t size = 0;
+  get_bytes(from, writable_bytes_of(size));
+  values.resize(size);
+  get_bytes(from, std::as_writable_bytes(std::span(values)));
 }
 
 template <typename Arrays>
 void put_arrays(std::vector<std::byte>& to, const Arrays& of) {
-  for_each_array(of, [&](const auto& values) {
-    put_bytes(to, bytes_of(static_cast<std::uint32_t>(values.size())));
-    put_bytes(to, std::as_bytes(std::span(values)));
-  });
+  for_each_array(of, [&](const auto& values) { put_array(to, values); });
 }
 
 template <typename Arrays>
 void get_arrays(std::span<const std::byte>& from, Arrays& of) {
-  for_each_array(of, [&](auto& values) {
-    std::uint32_t size = 0;
-    get_bytes(from, writable_bytes_of(size));
-    values.resize(size);
-    get_bytes(from, std::as_writable_bytes(std::span(values)));
-  });
+  for_each_array(of, [&](auto& values) { get_array(from, values); });
 }
 
 inline void put_node(std::vector<std::byte>& to, const SimplifiedNode& node) {

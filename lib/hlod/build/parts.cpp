@@ -2,8 +2,9 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <array>
-#include <atomic>
+#include <cassert>
 #include <cstring>
 #include <optional>
 #include <utility>
@@ -64,13 +65,62 @@ void write_file(const std::filesystem::path& path, std::span<const std::byte> by
   file.commit();
 }
 
+// Triangles of a group: it has fewer than 2^16 wedges, as the largest groups have 5 * 4096 triangles.
+struct ShortTriangle {
+  std::uint16_t x = 0, y = 0, z = 0;
+};
+
+void put_triangles(std::vector<std::byte>& to, const std::vector<Triangle>& triangles) {
+  std::vector<ShortTriangle> all;
+  all.reserve(triangles.size());
+  const auto short_id = [](std::uint32_t id) {
+    assert(id <= 0xffff);
+    return static_cast<std::uint16_t>(id);
+  };
+  for (const Triangle& t : triangles) all.push_back({short_id(t.x), short_id(t.y), short_id(t.z)});
+  put_array(to, all);
+}
+
+void get_triangles(std::span<const std::byte>& from, std::vector<Triangle>& triangles) {
+  std::vector<ShortTriangle> all;
+  get_array(from, all);
+  triangles.reserve(all.size());
+  for (const ShortTriangle& t : all) triangles.emplace_back(t.x, t.y, t.z);
+}
+
+// Boxes of the input's vertices are these, and are left out.
+std::vector<Box> boxes_of_positions(const GroupInput& group) {
+  std::vector<Box> boxes;
+  for (std::size_t v = 0; v < group.vertices.size(); ++v)
+    boxes.push_back({group.mesh.positions[v], group.mesh.positions[v]});
+  return boxes;
+}
+
+void put_group(std::vector<std::byte>& to, const GroupInput& group) {
+  put_triangles(to, group.mesh.triangles);
+  put_triangles(to, group.mesh.corners);
+  put_arrays(to, group);
+  const std::vector<Box> of_positions = boxes_of_positions(group);
+  const bool are_left_out =
+      std::ranges::equal(std::as_bytes(std::span(group.boxes)), std::as_bytes(std::span(of_positions)));
+  put_array(to, are_left_out ? std::vector<Box>() : group.boxes);
+}
+
+void get_group(std::span<const std::byte>& from, GroupInput& group) {
+  get_triangles(from, group.mesh.triangles);
+  get_triangles(from, group.mesh.corners);
+  get_arrays(from, group);
+  get_array(from, group.boxes);
+  if (group.boxes.empty()) group.boxes = boxes_of_positions(group);
+}
+
 // Reads the groups of a task.
 std::vector<GroupInput> unpack_task(std::span<const std::byte> body, GroupRules& rules) {
   std::uint32_t count = 0;
   get_bytes(body, writable_bytes_of(rules));
   get_bytes(body, writable_bytes_of(count));
   std::vector<GroupInput> groups(count);
-  for (GroupInput& group : groups) get_arrays(body, group);
+  for (GroupInput& group : groups) get_group(body, group);
   return groups;
 }
 
@@ -81,7 +131,7 @@ PartTask pack_task(const GroupRules& rules, std::span<const GroupInput> groups) 
   task.bytes.resize(sizeof(PartHead));
   put_bytes(task.bytes, bytes_of(rules));
   put_bytes(task.bytes, bytes_of(static_cast<std::uint32_t>(groups.size())));
-  for (const GroupInput& group : groups) put_arrays(task.bytes, group);
+  for (const GroupInput& group : groups) put_group(task.bytes, group);
   task.checksum = seal(task.bytes, task_magic, std::nullopt);
   return task;
 }
@@ -100,16 +150,16 @@ bool read_result(const std::filesystem::path& result, std::uint64_t task_checksu
   return true;
 }
 
-void simplify_part(const std::filesystem::path& path, int threads) {
-  const LargeVector<std::byte> task = read_whole(path);
-  const std::optional<PartHead> head = head_of(task, task_magic);
+void simplify_part(const std::filesystem::path& task, int threads) {
+  const LargeVector<std::byte> read = read_whole(task);
+  const std::optional<PartHead> head = head_of(read, task_magic);
   if (!head)
-    throw Error({path.string(), "", "is no undamaged task of an HLOD build of this version of occlod",
+    throw Error({task.string(), "", "is no undamaged task of an HLOD build of this version of occlod",
                  "use the same version on all machines"});
   GroupRules rules;
-  const std::vector<GroupInput> groups = unpack_task(std::span<const std::byte>(task).subspan(sizeof(PartHead)), rules);
+  const std::vector<GroupInput> groups = unpack_task(std::span<const std::byte>(read).subspan(sizeof(PartHead)), rules);
   std::vector<SimplifiedNode> nodes(groups.size());
-  const std::filesystem::path result = result_of(path);
+  const std::filesystem::path result = result_of(task);
   if (read_result(result, head->task, nodes)) return;
   for_each_task(
       groups.size(), thread_count(threads), [] { return GroupSimplifier(); },
