@@ -83,7 +83,7 @@ void run(const Options& options) {
   const double build_ms = stopwatch.restart();
   write_interruptibly(options.output, built.hlod.bytes(), progress, [&] {
     write_ohlod(options.output, built.hlod, built.report, options.compression, folder_of(options.inputs[0]),
-                OhlodImages::nodes);
+                OhlodImages::nodes, options.build.threads);
   });
   if (options.resume) remove_journal(journal_of(options));
   const double write_ms = stopwatch.milliseconds();

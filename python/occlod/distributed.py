@@ -1,15 +1,19 @@
-"""View cells built on many machines, by Dask.distributed (pip install occlod[cluster]).
+"""View cells and HLODs built on many machines, by Dask.distributed (pip install occlod[cluster]).
 
     import distributed
     import occlod.distributed
 
     with distributed.Client("tcp://scheduler:8786") as client:
         occlod.distributed.build_cells("city.json", options, "city.vlod", client=client)
+        occlod.distributed.build_hlod("city.json", "city.ohlod", client=client)
 
-Root cells are divided in shards, each of which becomes one .vpart file in a folder that all machines see. Nothing of size
+View cells: root cells are divided in shards, each of which becomes one .vpart file in a folder that all machines see. Nothing of size
 passes the scheduler. Parts that are there and whole are not built again, so a build that was ended goes on when it is
 called again, and what was built twice has the same bytes. A shard whose worker dies is tried elsewhere; one that kills
 several is halved, until the root cells that do are known.
+
+HLODs: who calls reads the input, groups the triangles of each level, and hands the groups to workers as files, which need
+nothing else. It joins their results in order, and keeps what is joined in a journal.
 """
 
 from __future__ import annotations
@@ -22,17 +26,19 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import distributed
 
 from ._errors import Error
-from ._occlod import CellBuild, CellTreeOptions, Scene, merge_cells
+from ._occlod import CellBuild, CellTreeOptions, Scene, build_hlod_file, merge_cells, simplify_part
 
 # A run of root cells: the first, and how many.
 Range = tuple[int, int]
 
 SHARDS_A_CORE = 16  # as many unless a number is given, so that the last of them take little time
-AHEAD = 4  # shards for each core that are handed out before others are done
+AHEAD = 4  # shards or tasks for each core that are handed out before others are done
+PATIENCE_S = 60.0  # until a file that a worker wrote is seen here
 
 
 @dataclass(frozen=True)
@@ -236,3 +242,108 @@ def build_cells(
     used = found + driver.built
     merge_cells([files.file(shard) for shard in used], path)
     return CellsReport(len(used), len(found), sum(r.cuts for r in driver.receipts), driver.halved, sum(r.seconds for r in driver.receipts), time.monotonic() - start)
+
+
+@dataclass(frozen=True)
+class HlodReport:
+    """What build_hlod() did."""
+
+    tasks: int  # simplified by workers this time
+    worker_seconds: float  # of the tasks
+    seconds: float  # in all
+
+
+def _simplify(task: str, threads: int) -> float:
+    """On a worker."""
+    start = time.monotonic()
+    simplify_part(task, threads=threads)
+    return time.monotonic() - start
+
+
+class _Simplifiers:
+    """Has tasks simplified by workers, a few for each core at once."""
+
+    def __init__(self, client: distributed.Client, threads: int, retries: int) -> None:
+        self.client, self.threads, self.retries = client, threads, retries
+        self.running: dict[distributed.Future, pathlib.Path] = {}
+        self.done = distributed.as_completed()
+        self.tasks, self.worker_seconds = 0, 0.0
+
+    def start(self, task: pathlib.Path) -> None:
+        """Returns when few enough are running."""
+        future = self.client.submit(_simplify, str(task), self.threads, retries=self.retries, pure=False)
+        self.running[future] = task
+        self.done.add(future)
+        while len(self.running) > AHEAD * max(1, sum(self.client.nthreads().values())):
+            self.take()
+
+    def finish(self, task: pathlib.Path) -> None:
+        """Returns when a task is done and its result is seen here, or long should have been."""
+        while task in self.running.values():
+            self.take()
+        result, start = task.with_suffix(".nodes"), time.monotonic()
+        while not result.exists() and time.monotonic() - start < PATIENCE_S:
+            time.sleep(0.05)
+
+    def take(self) -> None:
+        """Waits for one of the tasks."""
+        future = next(self.done)
+        error = future.exception()  # waits where what it returned is lost with its worker: then the task is run again
+        task = self.running.pop(future)
+        if isinstance(error, distributed.KilledWorker):
+            raise Error(str(task), "", "kills the workers that simplify it", "see their logs; what is done is kept")
+        if error is not None:
+            raise error
+        self.tasks += 1
+        self.worker_seconds += future.result()
+
+    def cancel(self) -> None:
+        self.client.cancel(list(self.running))
+
+
+def build_hlod(
+    scene: str | os.PathLike[str],
+    path: str | os.PathLike[str],
+    *,
+    client: distributed.Client,
+    parts: str | os.PathLike[str] | None = None,
+    task_threads: int = 1,
+    retries: int = 3,
+    **options: Any,
+) -> HlodReport:
+    """Builds the .ohlod file of a scene with the workers of `client`: the bytes that `occlod hlod build` gives.
+
+    `scene`: a scene or mesh file, which only this machine reads. `parts`: a folder that all machines see under one name;
+    `path` with ".parts" unless it is given. What is done is kept there and in `path` with ".journal" until the file is
+    written: the same call goes on where one was ended, and `occlod hlod build --resume` from the journal. `task_threads`: of each task; 0: one for each core of its machine. `retries`: of a task that fails with its
+    worker alive; how many workers it may kill is the scheduler's setting `distributed.scheduler.allowed-failures`.
+
+    `options`: `node_triangles`, `grouping`, `borders`, `within`, `error_bound`, `quantise_bits`, `threads` (of this machine)
+    and `progress` of occlod.build_hlod(), `compression` of Hlod.write(), and `memory`: bytes of main memory to keep to here,
+    for inputs that are larger.
+
+    Error as occlod.build_hlod() raises, for a task that kills its workers, and for files that are not seen by all.
+    """
+    begin = time.monotonic()
+    scene, path = pathlib.Path(scene).resolve(), pathlib.Path(path).resolve()
+    folder = (pathlib.Path(parts) if parts is not None else path.with_name(path.name + ".parts")).resolve()
+    if path.exists() and scene.exists() and os.path.samefile(path, scene):
+        raise Error(str(path), "", "is the scene, which would be overwritten", "name another file")
+    folder.mkdir(parents=True, exist_ok=True)
+    journal = path.with_name(path.name + ".journal")
+    workers = _Simplifiers(client, task_threads, retries)
+    try:
+        build_hlod_file(scene, path, parts=folder, journal=journal, start=workers.start, finish=workers.finish, **options)
+    finally:
+        workers.cancel()
+    journal.unlink()
+    _remove_parts(folder)
+    return HlodReport(workers.tasks, workers.worker_seconds, time.monotonic() - begin)
+
+
+def _remove_parts(folder: pathlib.Path) -> None:
+    """What the build has made, and what killed workers left; and the folder, unless there is more in it."""
+    for file in [*folder.glob("level-*.task"), *folder.glob("level-*.nodes"), *folder.glob(".level-*.tmp")]:
+        file.unlink(missing_ok=True)
+    if not any(folder.iterdir()):
+        folder.rmdir()

@@ -7,14 +7,19 @@
 #include <nanobind/stl/vector.h>
 
 #include <filesystem>
+#include <functional>
+#include <optional>
 
 #include "arrays.h"
 #include "bindings.h"
 #include "checks.h"
 #include "materials.h"
 #include "node_mesh.h"
+#include "occlod/base.h"
 #include "occlod/build_hlod.h"
+#include "occlod/mesh_file.h"
 #include "occlod/node_store.h"
+#include "occlod/scene.h"
 #include "text.h"
 
 namespace occlod::python {
@@ -263,16 +268,16 @@ void bind_hlod_class(nb::module_& m) {
       .def(
           "write",
           [](const Hlod& h, const std::filesystem::path& path, const std::optional<MeshReport>& report,
-             OlodCompression compression, const std::filesystem::path& images, bool node_images) {
+             OlodCompression compression, const std::filesystem::path& images, bool node_images, int threads) {
             const ReleasedGil release;
             write_ohlod(path, h, report.value_or(MeshReport{}), compression, images,
-                        node_images ? OhlodImages::nodes : OhlodImages::named);
+                        node_images ? OhlodImages::nodes : OhlodImages::named, threads);
           },
           "path"_a, nb::kw_only(), "report"_a = nb::none(), "compression"_a = OlodCompression::zstd, "images"_a = "",
-          "node_images"_a = false,
-          "As .ohlod; compressed node by node. `images` is as in Hierarchy.write(). `node_images`: each node also "
-          "gets\n"
-          "an image of what it shows, as fine as its error needs, from the images in that folder.")
+          "node_images"_a = false, "threads"_a = 0,
+          "As .ohlod; compressed node by node, by one thread for each core or so many. `images` is as in\n"
+          "Hierarchy.write(). `node_images`: each node also gets an image of what it shows, as fine as its error\n"
+          "needs, from the images in that folder.")
       .def(
           "has_within", [](const Hlod& h, std::int64_t n) { return h.has_within(checked(h, n)); }, "node"_a,
           "Whether the node has collapses of its own: Within.splits.")
@@ -293,34 +298,58 @@ void bind_hlod_class(nb::module_& m) {
   bind_paging(type);
 }
 
-}  // namespace
+hlod::HlodBuildOptions options_of(std::uint32_t node_triangles, hlod::Grouping grouping, hlod::Borders borders,
+                                  hlod::Within within, ErrorBound error_bound, int quantise_bits, int threads) {
+  hlod::HlodBuildOptions options;
+  options.node_triangles = node_triangles;
+  options.grouping = grouping;
+  options.borders = borders;
+  options.within = within;
+  options.error_bound = error_bound;
+  options.quantise_bits = quantise_bits;
+  options.threads = threads;
+  return options;
+}
 
-void bind_hlod(nb::module_& m) {
-  nb::enum_<hlod::Grouping>(m, "Grouping", "How triangles of one level are grouped into the nodes of the next.")
-      .value("nested", hlod::Grouping::nested, "By one octree: every node has one parent.")
-      .value("shifted", hlod::Grouping::shifted, "By an octree that is moved from level to level: no cracks.");
-  nb::enum_<hlod::Borders>(m, "Borders", "What simplification does with vertices that several nodes share.")
-      .value("free", hlod::Borders::free, "Each node moves its own copy: gaps as wide as the errors at most.")
-      .value("locked", hlod::Borders::locked, "They stay until a node has them inside: no gaps.");
-  nb::enum_<hlod::Within>(m, "Within", "What lies between a node and its parents.")
-      .value("geomorph", hlod::Within::geomorph, "Vertices can slide to the parent's.")
-      .value("splits", hlod::Within::splits, "Also every node's collapses, for twice the bytes.");
-  bind_nodes(m);
-  bind_hlod_class(m);
+// Calls `callable` with the path of a task. Holds no reference, as progress_of().
+std::function<void(const std::filesystem::path&)> call_of(nb::handle callable) {
+  return [callable](const std::filesystem::path& task) {
+    const HeldGil gil;
+    callable(task);
+  };
+}
+
+// As `occlod hlod build` does; with a limit of memory the input is streamed.
+void build_hlod_file(const std::filesystem::path& input, const std::filesystem::path& path,
+                     const hlod::HlodBuildOptions& options, OlodCompression compression,
+                     std::optional<std::size_t> memory) {
+  const std::filesystem::path folder = input.parent_path();
+  std::optional<MemoryLimit> limit;
+  if (memory && options.within == hlod::Within::splits)
+    throw Error({"build_hlod", "option memory", "goes with Within.geomorph only: splits of all nodes are in memory",
+                 "leave one of them out"});
+  if (memory) limit.emplace(*memory, path.parent_path());
+  MeshReport report;
+  Hlod built;
+  if (memory) {
+    built = build_hlod(stream_scene(describe_file(input), folder), options, report);
+  } else {
+    const CleanMesh mesh = is_scene_file(input) ? flatten_scene(read_scene(input), folder) : read_mesh(input);
+    report = mesh.report;
+    built = build_hlod(mesh.mesh, options, report);
+  }
+  write_ohlod(path, built, report, compression, folder, options.threads);
+}
+
+void bind_building(nb::module_& m) {
   const hlod::HlodBuildOptions standard;
   m.def(
       "build_hlod",
       [](const TriangleMesh& mesh, std::uint32_t node_triangles, hlod::Grouping grouping, hlod::Borders borders,
          hlod::Within within, ErrorBound error_bound, int quantise_bits, int threads,
          const std::optional<std::filesystem::path>& journal, const std::optional<nb::callable>& progress) {
-        hlod::HlodBuildOptions options;
-        options.node_triangles = node_triangles;
-        options.grouping = grouping;
-        options.borders = borders;
-        options.within = within;
-        options.error_bound = error_bound;
-        options.quantise_bits = quantise_bits;
-        options.threads = threads;
+        hlod::HlodBuildOptions options =
+            options_of(node_triangles, grouping, borders, within, error_bound, quantise_bits, threads);
         if (journal && journal->empty())
           throw nb::value_error("journal: names no file; give a path, or None for a build without a journal");
         options.journal = journal.value_or(std::filesystem::path());
@@ -341,6 +370,51 @@ void bind_hlod(nb::module_& m) {
       "`journal`: a file in which the build keeps what it has finished, 18 bytes for each triangle. A build of the\n"
       "same mesh with the same options goes on from there, to the same bytes; threads may differ. Remove it once the\n"
       "result is written. Error for a file that is no journal, that another build uses, or that does not fit.");
+  m.def(
+      "build_hlod_file",
+      [](const std::filesystem::path& scene, const std::filesystem::path& path, const std::filesystem::path& parts,
+         const std::filesystem::path& journal, const nb::callable& start, const nb::callable& finish,
+         std::uint32_t node_triangles, hlod::Grouping grouping, hlod::Borders borders, hlod::Within within,
+         ErrorBound error_bound, int quantise_bits, int threads, OlodCompression compression,
+         std::optional<std::size_t> memory, const std::optional<nb::callable>& progress) {
+        hlod::HlodBuildOptions options =
+            options_of(node_triangles, grouping, borders, within, error_bound, quantise_bits, threads);
+        options.journal = journal;
+        options.parts = {parts, call_of(start), call_of(finish)};
+        options.progress = progress_of(progress ? nb::handle(*progress) : nb::handle(Py_None));
+        const ReleasedGil release;
+        build_hlod_file(scene, path, options, compression, memory);
+      },
+      "scene"_a, "path"_a, nb::kw_only(), "parts"_a, "journal"_a, "start"_a, "finish"_a,
+      "node_triangles"_a = standard.node_triangles, "grouping"_a = standard.grouping, "borders"_a = standard.borders,
+      "within"_a = standard.within, "error_bound"_a = standard.error_bound, "quantise_bits"_a = standard.quantise_bits,
+      "threads"_a = standard.threads, "compression"_a = OlodCompression::zstd, "memory"_a = nb::none(),
+      "progress"_a = nb::none(), "See occlod.distributed.build_hlod().");
+  m.def(
+      "simplify_part",
+      [](const std::filesystem::path& task, int threads) {
+        const ReleasedGil release;
+        hlod::simplify_part(task, threads);
+      },
+      "task"_a, nb::kw_only(), "threads"_a = standard.threads,
+      "Simplifies the groups of a task and writes the result beside it, unless it is there.");
+}
+
+}  // namespace
+
+void bind_hlod(nb::module_& m) {
+  nb::enum_<hlod::Grouping>(m, "Grouping", "How triangles of one level are grouped into the nodes of the next.")
+      .value("nested", hlod::Grouping::nested, "By one octree: every node has one parent.")
+      .value("shifted", hlod::Grouping::shifted, "By an octree that is moved from level to level: no cracks.");
+  nb::enum_<hlod::Borders>(m, "Borders", "What simplification does with vertices that several nodes share.")
+      .value("free", hlod::Borders::free, "Each node moves its own copy: gaps as wide as the errors at most.")
+      .value("locked", hlod::Borders::locked, "They stay until a node has them inside: no gaps.");
+  nb::enum_<hlod::Within>(m, "Within", "What lies between a node and its parents.")
+      .value("geomorph", hlod::Within::geomorph, "Vertices can slide to the parent's.")
+      .value("splits", hlod::Within::splits, "Also every node's collapses, for twice the bytes.");
+  bind_nodes(m);
+  bind_hlod_class(m);
+  bind_building(m);
   m.def(
       "read_hlod_and_report",
       [](const std::filesystem::path& path, OlodAccess access) {

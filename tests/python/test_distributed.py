@@ -1,4 +1,6 @@
-"""occlod.distributed: view cells built by several processes have the bytes of one, whatever is killed or damaged meanwhile."""
+"""occlod.distributed: view cells and HLODs built by several processes have the bytes of one, whatever is killed or damaged
+meanwhile."""
+import json
 import os
 import pathlib
 import pickle
@@ -7,6 +9,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import occlod
@@ -58,17 +61,14 @@ class Poison(distributed.WorkerPlugin):
         module._build_of = lambda scene, options: Poisoned(build(scene, options))
 
 
-class Distributed(unittest.TestCase):
+class Clusters(unittest.TestCase):
+    """Makes clusters of this machine, and a folder for all tests of a class."""
+
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="occlod-cells-")
+        folder = tempfile.TemporaryDirectory(prefix="occlod-distributed-")
         cls.addClassCleanup(folder.cleanup)
         cls.folder = pathlib.Path(folder.name)
-        cls.scene = cls.folder / "city.json"
-        cls.scene.write_text(SCENE)
-        cls.build = occlod.CellBuild(occlod.Scene.read(cls.scene).load(), OPTIONS)
-        cls.build.write(cls.folder / "one.vlod", threads=1)
-        cls.expected = (cls.folder / "one.vlod").read_bytes()
         pickle.loads(pickle.dumps(Poison))  # found by name in this module: nothing of it is sent to workers
         os.environ["PYTHONPATH"] = os.pathsep.join([str(pathlib.Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
 
@@ -78,6 +78,17 @@ class Distributed(unittest.TestCase):
         client = distributed.Client(cluster)
         self.addCleanup(client.close)
         return client
+
+
+class Cells(Clusters):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.scene = cls.folder / "city.json"
+        cls.scene.write_text(SCENE)
+        cls.build = occlod.CellBuild(occlod.Scene.read(cls.scene).load(), OPTIONS)
+        cls.build.write(cls.folder / "one.vlod", threads=1)
+        cls.expected = (cls.folder / "one.vlod").read_bytes()
 
     def run_build(self, client, name, shards=24, **options):
         """Into a folder of its own."""
@@ -164,3 +175,148 @@ class Distributed(unittest.TestCase):
         task = occlod.distributed._Task(str(self.scene), other, str(self.folder), self.build.part_name((0, 1)), (0, 1), 1)
         with self.assertRaisesRegex(occlod.Error, "another scene"):
             client.submit(occlod.distributed._write_shard, task).result()
+
+
+# What connects to a scheduler, builds an HLOD, and says how far it is.
+HLOD_DRIVER = """
+import sys
+import distributed, occlod.distributed
+scheduler, scene, path = sys.argv[1:]
+with distributed.Client(scheduler) as client:
+    occlod.distributed.build_hlod(scene, path, client=client, node_triangles=64, progress=lambda done: print(done, flush=True))
+"""
+
+
+class SlowOrDeadly(distributed.WorkerPlugin):
+    """Makes workers sleep before each task, or end before one of this name."""
+
+    def __init__(self, seconds=0.0, deadly=""):
+        self.seconds, self.deadly = seconds, deadly
+
+    def setup(self, worker):
+        import occlod.distributed as module  # pylint: disable=import-outside-toplevel
+
+        simplify = module.simplify_part
+
+        def changed(task, *, threads):
+            time.sleep(self.seconds)
+            if pathlib.Path(task).stem == self.deadly:
+                os._exit(3)
+            simplify(task, threads=threads)
+
+        module.simplify_part = changed
+
+
+class Hlods(Clusters):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.mesh = cls.folder / "planet.ply"
+        occlod.generate("rough-planet", level=7).write(cls.mesh)
+        mesh, report = occlod.read_mesh_and_report(cls.mesh)
+        occlod.build_hlod(mesh, node_triangles=64, threads=1).write(cls.folder / "one.ohlod", report=report)
+        cls.expected = (cls.folder / "one.ohlod").read_bytes()
+
+    def run_build(self, client, name, **options):
+        """Into a folder of its own."""
+        path = self.folder / name / "planet.ohlod"
+        path.parent.mkdir(exist_ok=True)
+        report = occlod.distributed.build_hlod(self.mesh, path, client=client, node_triangles=64, **options)
+        self.assertEqual(path.read_bytes(), self.expected)
+        self.assertEqual([file.name for file in path.parent.iterdir()], ["planet.ohlod"])  # all else is removed
+        return report
+
+    def test_bytes_do_not_depend_on_workers(self):
+        for workers, options in ((1, {}), (2, {"task_threads": 2}), (3, {"threads": 1})):
+            report = self.run_build(self.cluster(workers), f"w{workers}", **options)
+            self.assertGreater(report.tasks, 100)  # two levels of 64 or more
+            self.assertGreater(report.worker_seconds, 0)
+
+    @unittest.skipUnless("OCCLOD" in os.environ, "OCCLOD does not name the command")
+    def test_bytes_are_those_of_the_command(self):
+        scene, client = self.folder / "city.json", self.cluster()
+        scene.write_text(SCENE)
+        for options, arguments in (
+            ({"quantise_bits": 14}, ["--quantise", "14"]),
+            ({"memory": 1 << 30, "compression": occlod.Compression.none}, ["--memory", "1G", "--compress", "none"]),
+            ({"grouping": occlod.Grouping.nested, "borders": occlod.Borders.free, "error_bound": occlod.ErrorBound.measured},
+             ["--grouping", "nested", "--borders", "free", "--error-bound", "measured"]),
+            ({"within": occlod.Within.splits}, ["--within", "splits"]),
+        ):
+            for source in (self.mesh, scene):
+                one, many = self.folder / "command.ohlod", self.folder / "many.ohlod"
+                subprocess.run([os.environ["OCCLOD"], "hlod", "build", source, "-o", one, "--node-triangles", "32", *arguments],
+                               check=True, stdout=subprocess.DEVNULL)
+                occlod.distributed.build_hlod(source, many, client=client, node_triangles=32, **options)
+                self.assertEqual(one.read_bytes(), many.read_bytes(), (source.name, options))
+
+    def test_workers_are_killed(self):
+        client, killed = self.cluster(), []
+
+        def kill(done):
+            if done > 0.25 * (1 + len(killed)) and len(killed) < 2:
+                killed.append(next(iter(client.run(os.getpid).values())))
+                os.kill(killed[-1], signal.SIGKILL)
+
+        self.run_build(client, "killed", progress=kill)
+        self.assertEqual(len(killed), 2)
+
+    def test_the_driver_is_killed(self):
+        """Three times, each time a little later: what is done is not done again."""
+        client = self.cluster()
+        client.register_plugin(SlowOrDeadly(0.02), name="slow")
+        path = self.folder / "driver" / "planet.ohlod"
+        path.parent.mkdir()
+        command = [sys.executable, "-c", HLOD_DRIVER, client.scheduler.address, self.mesh, path]
+        for share in (0.15, 0.35, 0.6):
+            with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as driver:
+                for line in driver.stdout:
+                    if float(line) >= share:
+                        driver.send_signal(signal.SIGKILL)
+            self.assertFalse(path.exists())
+        journal = path.with_name("planet.ohlod.journal")
+        kept = journal.read_bytes()
+        report = self.run_build(client, "driver")
+        self.assertLess(report.tasks, self.run_build(client, "whole").tasks - 50)  # by then nine tenths of 64 tasks are joined
+        if "OCCLOD" in os.environ:  # goes on from the same journal
+            journal.write_bytes(kept)
+            command = [os.environ["OCCLOD"], "hlod", "build", self.mesh, "-o", path, "--node-triangles", "64", "--resume", "--json"]
+            told = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+            self.assertGreater(told["nodes_found"], 100)
+            self.assertEqual(path.read_bytes(), self.expected)
+
+    def test_a_task_that_kills_is_named(self):
+        client = self.cluster()
+        client.register_plugin(SlowOrDeadly(deadly="level-1-0"), name="deadly")
+        with self.assertRaisesRegex(occlod.Error, r"level-1-0\.task: kills the workers"):
+            self.run_build(client, "deadly")
+        self.assertFalse((self.folder / "deadly" / "planet.ohlod").exists())
+        client.close()
+        self.run_build(self.cluster(), "deadly")
+
+    def test_disk_full(self):
+        client = self.cluster()
+        client.run(resource.setrlimit, resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))
+        with self.assertRaisesRegex(occlod.Error, r"\.nodes: "):
+            self.run_build(client, "full", retries=0)
+        client.run(resource.setrlimit, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+        self.run_build(client, "full")
+
+    def test_a_folder_that_not_all_see(self):
+        client, patience = self.cluster(1), occlod.distributed.PATIENCE_S
+        occlod.distributed.PATIENCE_S = 0.2
+        self.addCleanup(setattr, occlod.distributed, "PATIENCE_S", patience)
+        client.run(forget_tasks)
+        with self.assertRaisesRegex(occlod.Error, "all machines see"):
+            self.run_build(client, "unseen")
+
+    def test_the_scene_is_not_overwritten(self):
+        with self.assertRaisesRegex(occlod.Error, "would be overwritten"):
+            occlod.distributed.build_hlod(self.mesh, self.mesh, client=self.cluster(1))
+
+
+def forget_tasks():
+    """On a worker: from now on it writes its results where nobody sees them."""
+    import occlod.distributed as module  # pylint: disable=import-outside-toplevel
+
+    module.simplify_part = lambda task, *, threads: None

@@ -463,6 +463,10 @@ float step_of(std::span<const glm::vec3> positions, const HlodBuildOptions& opti
 
 Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options) {
   MeshReport report;
+  return build_hlod(mesh, options, report);
+}
+
+Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options, MeshReport& report) {
   std::size_t taken = 0;
   return build_hlod(mesh, options, report, taken);
 }

@@ -9,10 +9,10 @@
 #include <memory>
 #include <string_view>
 #include <system_error>
-#include <type_traits>
 #include <utility>
 
 #include "base/memory.h"
+#include "hlod/build/build_bytes.h"
 #include "hlod/hlod_builder_id.h"
 #include "occlod/base.h"
 
@@ -25,26 +25,10 @@ constexpr const char* borders_names[] = {"free", "locked"};
 constexpr const char* within_names[] = {"geomorph", "splits"};
 constexpr const char* error_bound_names[] = {"accumulated", "measured"};
 
-template <typename T>
-std::span<const std::byte> bytes_of(const T& value) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  return std::as_bytes(std::span<const T, 1>(&value, 1));
-}
-
-template <typename T>
-std::span<std::byte> writable_bytes_of(T& value) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  return std::as_writable_bytes(std::span<T, 1>(&value, 1));
-}
-
 // Returns the checksum of a header or a record's head, without its last member, which stores it.
 template <typename T>
 std::uint64_t checksum_of(const T& head, std::uint64_t seed) {
   return XXH3_64bits_withSeed(&head, sizeof(head) - sizeof(head.checksum), seed);
-}
-
-void put(std::vector<std::byte>& to, std::span<const std::byte> bytes) {
-  to.insert(to.end(), bytes.begin(), bytes.end());
 }
 
 // Calls visit(piece) for the pieces that are in memory at a time, of an array that may be larger.
@@ -77,30 +61,6 @@ std::uint64_t hash_of(const WedgeMesh& mesh) {
   add(mesh.wedge_materials);
   return XXH3_64bits_digest(state.get());
 }
-
-// Calls visit() for each array of a node, to write or to read it.
-template <typename Node, typename Visit>
-void for_each_array(Node& node, const Visit& visit) {
-  visit(node.triangles);
-  visit(node.corners);
-  visit(node.added);
-  visit(node.lost);
-  visit(node.merges);
-  visit(node.bare_targets);
-  visit(node.grown);
-  visit(node.vanished);
-  visit(node.within.wedges);
-  visit(node.within.indices);
-  visit(node.within.splits);
-}
-
-// Holds what a node has besides its arrays.
-struct NodeFacts {
-  Box box;
-  float error = 0.0F, guaranteed_error = 0.0F;
-};
-static_assert(sizeof(NodeFacts) == 32 && sizeof(AddedWedge) == 8 && sizeof(Merge) == 8 &&
-              sizeof(SplitsDraft::Split) == 8 && sizeof(GrownBox) == 28);  // no padding, whose bytes nobody has set
 
 }  // namespace
 
@@ -198,11 +158,11 @@ bool BuildJournal::take(std::size_t triangles, TriangleGroups& groups) {
 
 void BuildJournal::append(const TriangleGroups& groups) {
   bytes_.resize(sizeof(RecordHead));
-  put(bytes_, bytes_of(groups.count));
+  put_bytes(bytes_, bytes_of(groups.count));
   append_record();
   for_each_piece(std::span(groups.group_of), [&](std::span<const std::uint32_t> piece) {
     bytes_.resize(sizeof(RecordHead));
-    put(bytes_, std::as_bytes(piece));
+    put_bytes(bytes_, std::as_bytes(piece));
     append_record();
   });
 }
@@ -219,22 +179,7 @@ bool BuildJournal::take(SimplifiedNode& node) {
     return false;
   }
   std::span<const std::byte> left = bytes_;
-  const auto get = [&](std::span<std::byte> to) {
-    assert(to.size() <= left.size());  // the checksum guarantees that append() wrote it
-    std::copy_n(left.begin(), to.size(), to.begin());
-    left = left.subspan(to.size());
-  };
-  NodeFacts facts;
-  get(writable_bytes_of(facts));
-  node.box = facts.box;
-  node.error = facts.error;
-  node.guaranteed_error = facts.guaranteed_error;
-  for_each_array(node, [&](auto& values) {
-    std::uint32_t size = 0;
-    get(writable_bytes_of(size));
-    values.resize(size);
-    get(std::as_writable_bytes(std::span(values)));
-  });
+  get_node(left, node);
   ++taken_;
   return true;
 }
@@ -256,11 +201,7 @@ bool BuildJournal::read_record() {
 
 void BuildJournal::append(const SimplifiedNode& node) {
   bytes_.resize(sizeof(RecordHead));
-  put(bytes_, bytes_of(NodeFacts{node.box, node.error, node.guaranteed_error}));
-  for_each_array(node, [&](const auto& values) {
-    put(bytes_, bytes_of(static_cast<std::uint32_t>(values.size())));
-    put(bytes_, std::as_bytes(std::span(values)));
-  });
+  put_node(bytes_, node);
   append_record();
 }
 

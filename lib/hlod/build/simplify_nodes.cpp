@@ -1,17 +1,23 @@
 #include "hlod/build/simplify_nodes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <limits>
+#include <deque>
+#include <filesystem>
+#include <initializer_list>
+#include <system_error>
 #include <utility>
 
 #include "base/arithmetic.h"
 #include "base/threads.h"
 #include "hlod/build/finish_level.h"
+#include "hlod/build/group_simplifier.h"
 #include "hlod/build/group_triangles.h"
 #include "hlod/build/level_draft.h"
-#include "splits/group_error.h"
+#include "hlod/build/parts.h"
+#include "occlod/base.h"
 #include "splits/positions.h"
 #include "splits/simplify_group.h"
 
@@ -22,82 +28,58 @@ constexpr std::size_t wanted_share = 4;    // target: a quarter of its input's t
 constexpr std::size_t smallest_share = 8;  // minimum: an eighth
 constexpr std::uint32_t sampled_groups = 32;
 constexpr std::uint32_t groups_at_once = 512;  // groups whose results are in memory at a time
+// Levels of more groups than are sampled anyway are shared by processes: in about so many parts, of so many groups at
+// most.
+constexpr std::uint32_t parts_of_level = 64, groups_of_part = 32;
+
+void remove_files(std::initializer_list<std::filesystem::path> files) {
+  std::error_code ignored;  // the files do no harm
+  for (const std::filesystem::path& file : files) std::filesystem::remove(file, ignored);
+}
 
 }  // namespace
 
-// Simplifies one group after another.
-class NodeSimplifier::Worker {
+// Takes groups out of the level below, one after another.
+class NodeSimplifier::Gatherer {
  public:
-  Worker(const NodeSimplifier& all, const LevelDraft& below) : all_(all), below_(below) {}
+  Gatherer(const NodeSimplifier& all, const LevelDraft& below) : all_(all), below_(below) {}
 
-  // Returns the cost at which a quarter of the group's triangles is left.
-  float sample(std::uint32_t group) {
-    gather(group);
-    return simplify(std::numeric_limits<float>::max(), all_.members(group).size() / wanted_share).cost;
-  }
-
-  SimplifiedNode run(std::uint32_t group, float max_cost, std::size_t min_triangles) {
-    gather(group);
-    const SimplifiedGroup simplified = simplify(max_cost, min_triangles);
-    SimplifiedNode result;
-    result.error = simplified.error;
-    result.guaranteed_error = all_.options_.error_bound == ErrorBound::measured ? measured_error(input_, simplified)
-                                                                                : simplified.guaranteed_error;
-    result.box = box();
-    for (const Triangle& t : simplified.triangles) result.triangles.push_back(global(t, vertices_.vertices()));
-    for (const AddedWedge& added : simplified.added) {
-      result.added.push_back({vertices_.vertices()[added.vertex], wedges_[added.attributes]});
-      wedges_.push_back(static_cast<WedgeId>(all_.mesh_.wedge_count() + result.added.size() - 1));
+  // O(n log n) in the size of the group.
+  [[nodiscard]] GroupInput run(std::uint32_t group) {
+    const std::span<const std::uint32_t> members = all_.members(group);
+    GroupInput input;
+    TriangleMesh& mesh = input.mesh;
+    vertices_.reset(3 * members.size());
+    for (const std::uint32_t member : members) mesh.triangles.push_back(number(below_.triangles[member], vertices_));
+    input.vertices.assign(vertices_.vertices().begin(), vertices_.vertices().end());
+    if (all_.mesh_.has_seams()) {
+      seam_wedges_.reset(3 * members.size());
+      for (const std::uint32_t member : members) mesh.corners.push_back(number(below_.corners[member], seam_wedges_));
+      sort_wedges(input);
+    } else {
+      input.wedges = input.vertices;
     }
-    if (all_.mesh_.has_seams())
-      for (const Triangle& t : simplified.corners.empty() ? simplified.triangles : simplified.corners)
-        result.corners.push_back(global(t, wedges_));
-    list_merges(simplified, result);
-    list_lost(simplified, result);
-    list_vanished(simplified, result);
-    if (!simplified.collapses.empty() && wedges_.size() <= stays && can_replay(simplified))
-      keep_splits(simplified, result.within);
-    return result;
+    copy_vertices(input);
+    return input;
   }
 
  private:
-  void gather(std::uint32_t group) {
-    group_ = group;
-    const std::span<const std::uint32_t> members = all_.members(group);
-    input_ = {};
-    vertices_.reset(3 * members.size());
-    for (const std::uint32_t member : members) input_.triangles.push_back(number(below_.triangles[member], vertices_));
-    if (all_.mesh_.has_seams()) {
-      seam_wedges_.reset(3 * members.size());
-      for (const std::uint32_t member : members) input_.corners.push_back(number(below_.corners[member], seam_wedges_));
-    }
-    if (all_.mesh_.has_seams())
-      sort_wedges();
-    else
-      wedges_.assign(vertices_.vertices().begin(), vertices_.vertices().end());
-    copy_vertices();
-  }
-
   static Triangle number(const Triangle& t, LocalIds& ids) {
     const auto x = ids.add(t.x), y = ids.add(t.y), z = ids.add(t.z);
     return {x, y, z};
   }
 
-  static Triangle global(const Triangle& t, std::span<const std::uint32_t> ids) {
-    return {ids[t.x], ids[t.y], ids[t.z]};
-  }
-
   // Numbers the wedges as a TriangleMesh does: first one of each vertex, then the others ordered by vertex.
-  void sort_wedges() {
-    const std::size_t vertices = vertices_.vertices().size(), wedges = seam_wedges_.vertices().size();
-    wedges_.assign(vertices, no_id);
+  void sort_wedges(GroupInput& input) {
+    const std::size_t vertices = input.vertices.size(), wedges = seam_wedges_.vertices().size();
+    input.wedges.assign(vertices, no_id);
     std::vector<std::uint32_t> local(wedges);
     std::vector<std::pair<std::uint32_t, std::uint32_t>> extra;  // vertex, and one of its wedges
     for (std::uint32_t i = 0; i < wedges; ++i) {
       const WedgeId wedge = seam_wedges_.vertices()[i];
       const std::uint32_t v = vertices_.find(all_.mesh_.vertex_of(wedge));
-      if (wedges_[v] == no_id) {
-        wedges_[v] = wedge;
+      if (input.wedges[v] == no_id) {
+        input.wedges[v] = wedge;
         local[i] = v;
       } else {
         extra.emplace_back(v, i);
@@ -105,175 +87,38 @@ class NodeSimplifier::Worker {
     }
     std::sort(extra.begin(), extra.end());
     for (const auto& [v, i] : extra) {
-      local[i] = static_cast<std::uint32_t>(wedges_.size());
-      wedges_.push_back(seam_wedges_.vertices()[i]);
-      input_.extra_wedges.push_back(v);
+      local[i] = static_cast<std::uint32_t>(input.wedges.size());
+      input.wedges.push_back(seam_wedges_.vertices()[i]);
+      input.mesh.extra_wedges.push_back(v);
     }
-    for (Triangle& t : input_.corners) t = global(t, local);
-    if (extra.empty()) input_.corners.clear();
+    for (Triangle& t : input.mesh.corners) t = {local[t.x], local[t.y], local[t.z]};
+    if (extra.empty()) input.mesh.corners.clear();
   }
 
-  // Copies positions, and attributes if they count.
-  void copy_vertices() {
+  // Copies positions, attributes if they count, and what is known of vertices.
+  void copy_vertices(GroupInput& input) const {
     const WedgeMesh& from = all_.mesh_;
-    const auto copy = [&](const auto& of_all, auto& to) {
+    const auto copy = [](const auto& of_all, std::span<const std::uint32_t> ids, auto& to) {
       if (of_all.empty()) return;
-      for_each_id(wedges_.size(), 1, [&](std::uint32_t i) { to.push_back(of_all[wedges_[i]]); });
+      to.reserve(ids.size());
+      for_each_id(ids.size(), 1, [&](std::uint32_t i) { to.push_back(of_all[ids[i]]); });
     };
-    copy(from.positions, input_.positions);
-    locked_.clear();
-    const std::span<const VertexId> vertices = vertices_.vertices();
-    for_each_id(vertices.size(), 1, [&](std::uint32_t i) { locked_.push_back(all_.locked_[vertices[i]]); });
+    copy(from.positions, input.wedges, input.mesh.positions);
+    copy(all_.locked_, input.vertices, input.locked);
+    copy(all_.boxes_, input.vertices, input.boxes);
     if (!from.has_wedge_attributes()) return;
-    copy(from.normals, input_.normals);
-    copy(from.colors, input_.colors);
-    copy(from.texture_coordinates, input_.texture_coordinates);
-    if (all_.mesh_.wedge_materials.empty()) return;
-    for (const Triangle& t : input_.wedge_triangles())
-      input_.triangle_materials.push_back(all_.mesh_.wedge_materials[wedges_[t.x]]);
-  }
-
-  [[nodiscard]] SimplifiedGroup simplify(float max_cost, std::size_t min_triangles) const {
-    return simplify_group(input_, locked_,
-                          {all_.scale_, build_weights.boundary, max_cost, min_triangles,
-                           all_.options_.within == Within::splits, build_weights.attributes});
-  }
-
-  [[nodiscard]] Box box() const {
-    const std::span<const VertexId> vertices = vertices_.vertices();
-    Box box = all_.boxes_[vertices[0]];
-    for_each_id(vertices.size(), 1, [&](std::uint32_t i) { box = unite(box, all_.boxes_[vertices[i]]); });
-    return box;
-  }
-
-  void list_merges(const SimplifiedGroup& simplified, SimplifiedNode& result) {
-    used_.assign(wedges_.size(), 0);
-    for (const Triangle& t : simplified.corners.empty() ? simplified.triangles : simplified.corners)
-      used_[t.x] = used_[t.y] = used_[t.z] = 1;
-    for (std::uint32_t w = 0; w < wedges_.size(); ++w) {
-      const std::uint32_t into = simplified.merged_into[w];
-      if (into == w) continue;
-      result.merges.push_back({wedges_[w], wedges_[into]});
-      if (used_[into] == 0) result.bare_targets.push_back(wedges_[into]);
-    }
-    std::sort(result.bare_targets.begin(), result.bare_targets.end());
-    result.bare_targets.erase(std::unique(result.bare_targets.begin(), result.bare_targets.end()),
-                              result.bare_targets.end());
-  }
-
-  void list_lost(const SimplifiedGroup& simplified, SimplifiedNode& result) {
-    used_.assign(locked_.size(), 0);
-    for (const Triangle& t : simplified.triangles) used_[t.x] = used_[t.y] = used_[t.z] = 1;
-    for (std::uint32_t v = 0; v < used_.size(); ++v)
-      if (locked_[v] != 0 && used_[v] == 0) result.lost.push_back(vertices_.vertices()[v]);
-  }
-
-  // Lists the boxes of the group's triangles that are gone and stood for by no triangle that is left. Those that were
-  // folded onto a corner or an edge of one need no room: the boxes of its vertices hold theirs.
-  void list_vanished(const SimplifiedGroup& simplified, SimplifiedNode& result) {
-    note_left(simplified);
-    grown_.clear();
-    for (const std::uint32_t member : all_.members(group_)) {
-      const Triangle& global_ids = below_.triangles[member];
-      Box box = all_.boxes_[global_ids.x];
-      Triangle own;
-      for (int k = 0; k < 3; ++k) {
-        box = unite(box, all_.boxes_[global_ids[k]]);
-        own[k] = vertices_.find(global_ids[k]);
-      }
-      const Triangle image = image_of(own, simplified);
-      if (is_left(sorted(image))) continue;
-      const int heir = used_[image.x] != 0 ? 0 : used_[image.y] != 0 ? 1 : 2;
-      if (used_[image[heir]] != 0)
-        grown_.push_back({image[heir], box});
-      else
-        grow(result.vanished, box);
-    }
-    std::sort(grown_.begin(), grown_.end(), [](const GrownBox& a, const GrownBox& b) { return a.vertex < b.vertex; });
-    for (const GrownBox& grown : grown_) {
-      const VertexId vertex = vertices_.vertices()[grown.vertex];
-      if (result.grown.empty() || result.grown.back().vertex != vertex)
-        result.grown.push_back({vertex, grown.box});
-      else
-        result.grown.back().box = unite(result.grown.back().box, grown.box);
-    }
-  }
-
-  // Notes the corners, edges and triangles that are left.
-  void note_left(const SimplifiedGroup& simplified) {
-    left_.clear();
-    left_edges_.clear();
-    used_.assign(locked_.size(), 0);
-    for (const Triangle& t : simplified.triangles) {
-      const auto [a, b, c] = left_.emplace_back(sorted(t));
-      left_edges_.insert(left_edges_.end(), {{a, b}, {a, c}, {b, c}});
-      used_[a] = used_[b] = used_[c] = 1;
-    }
-    std::sort(left_.begin(), left_.end());
-    std::sort(left_edges_.begin(), left_edges_.end());
-  }
-
-  // Returns whether a triangle that is left has these corners, given in order, of which some may be equal.
-  [[nodiscard]] bool is_left(const std::array<std::uint32_t, 3>& corners) const {
-    const auto [a, b, c] = corners;
-    if (a == c) return used_[a] != 0;
-    if (a == b || b == c) return std::binary_search(left_edges_.begin(), left_edges_.end(), std::pair(a, c));
-    return std::binary_search(left_.begin(), left_.end(), corners);
-  }
-
-  // Returns the local vertex of a wedge, which simplification may have added.
-  [[nodiscard]] VertexId vertex_of(WedgeId wedge, const SimplifiedGroup& simplified) const {
-    const std::size_t wedges = input_.wedge_count();
-    return wedge < wedges ? input_.vertex_of(wedge) : simplified.added[wedge - wedges].vertex;
-  }
-
-  // Returns the local vertices into which the corners of a triangle of the input were merged.
-  [[nodiscard]] Triangle image_of(const Triangle& t, const SimplifiedGroup& simplified) const {
-    Triangle image;
-    for (int k = 0; k < 3; ++k) image[k] = vertex_of(simplified.merged_into[t[k]], simplified);
-    return image;
-  }
-
-  // Returns the corners, the smallest first.
-  static std::array<std::uint32_t, 3> sorted(const Triangle& t) {
-    std::array<std::uint32_t, 3> corners{t.x, t.y, t.z};
-    std::sort(corners.begin(), corners.end());
-    return corners;
-  }
-
-  // Returns whether merging all triangles of the group at once leaves as many as its collapses, one after the other,
-  // did. Only where both sides of a sheet were folded onto other faces does the order matter.
-  [[nodiscard]] bool can_replay(const SimplifiedGroup& simplified) const {
-    std::vector<Triangle> merged, before, none;
-    for (const Triangle& t : input_.triangles) {
-      const Triangle image = image_of(t, simplified);
-      if (image.x == image.y || image.y == image.z || image.z == image.x) continue;
-      merged.push_back(image);
-      before.push_back(t);
-    }
-    cancel_folded(merged, none, before);
-    return merged.size() == simplified.triangles.size();
-  }
-
-  void keep_splits(const SimplifiedGroup& simplified, SplitsDraft& within) const {
-    const auto own = [](std::uint32_t local) { return static_cast<std::uint16_t>(local); };
-    within.wedges = wedges_;
-    for (const Triangle& t : input_.wedge_triangles())
-      for (int k = 0; k < 3; ++k) within.indices.push_back(own(t[k]));
-    for (const GroupCollapse& c : simplified.collapses) within.splits.push_back({own(c.v), own(c.u), c.error});
+    copy(from.normals, input.wedges, input.mesh.normals);
+    copy(from.colors, input.wedges, input.mesh.colors);
+    copy(from.texture_coordinates, input.wedges, input.mesh.texture_coordinates);
+    if (from.wedge_materials.empty()) return;
+    for (const Triangle& t : input.mesh.wedge_triangles())
+      input.mesh.triangle_materials.push_back(from.wedge_materials[input.wedges[t.x]]);
   }
 
   const NodeSimplifier& all_;
   const LevelDraft& below_;
-  std::uint32_t group_ = 0;
   LocalIds vertices_;     // of the input mesh, by local number
   LocalIds seam_wedges_;  // in the order in which they are met
-  TriangleMesh input_;
-  std::vector<WedgeId> wedges_;  // by local number, after simplification with those added
-  std::vector<std::uint8_t> locked_, used_;
-  std::vector<std::array<std::uint32_t, 3>> left_;                   // the remaining triangles, in order
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> left_edges_;  // of them, in order
-  std::vector<GrownBox> grown_;                                      // by local vertex
 };
 
 NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options, unsigned threads,
@@ -292,6 +137,7 @@ NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options,
 
 LevelDraft NodeSimplifier::run(LevelDraft& below, TriangleGroups groups, const ProgressPart& progress) {
   below.parent_of = std::move(groups.group_of);
+  ++level_;
   LevelBuilder level(mesh_, below, groups.count, threads_);
   std::uint32_t first = 0;
   for (SimplifiedNode node; first < groups.count && journal_ != nullptr && journal_->take(node); ++first) {
@@ -309,31 +155,109 @@ void NodeSimplifier::simplify(const LevelDraft& below, std::uint32_t first_group
                               LevelBuilder& level, const ProgressPart& progress) {
   list_members(below, group_count);
   if (options_.borders == Borders::locked) lock(below, group_count);
-  // A single node is simplified to a quarter. Several all stop at one cost: if each were forced to a quarter, those
-  // with many locked vertices would have errors many times the others', which every coarser node inherits.
-  const bool is_last = group_count == 1;
-  const float max_cost = is_last ? std::numeric_limits<float>::max() : common_cost(below, group_count);
-  const std::size_t share = is_last ? wanted_share : smallest_share;
+  const GroupRules rules = rules_of(below, group_count);
+  if (!options_.parts.folder.empty() && group_count > sampled_groups)
+    simplify_elsewhere(below, rules, first_group, group_count, level, progress);
+  else
+    simplify_here(below, rules, first_group, group_count, level, progress);
+}
 
+// A single node is simplified to a quarter. Several all stop at one cost: if each were forced to a quarter, those with
+// many locked vertices would have errors many times the others', which every coarser node inherits.
+GroupRules NodeSimplifier::rules_of(const LevelDraft& below, std::uint32_t group_count) const {
+  GroupRules rules;
+  rules.scale = scale_;
+  rules.min_share = wanted_share;
+  rules.first_added = static_cast<WedgeId>(mesh_.wedge_count());
+  rules.has_seams = mesh_.has_seams() ? 1 : 0;
+  rules.keeps_splits = options_.within == Within::splits ? 1 : 0;
+  rules.measures = options_.error_bound == ErrorBound::measured ? 1 : 0;
+  if (group_count == 1) return rules;
+  rules.max_cost = common_cost(below, group_count, rules);
+  rules.min_share = smallest_share;
+  return rules;
+}
+
+void NodeSimplifier::simplify_here(const LevelDraft& below, const GroupRules& rules, std::uint32_t first_group,
+                                   std::uint32_t group_count, LevelBuilder& level, const ProgressPart& progress) {
+  struct Worker {
+    Gatherer gatherer;
+    GroupSimplifier simplifier;
+  };
   std::vector<SimplifiedNode> results(groups_at_once);
   std::size_t done_before = first_member_[first_group];
   for (std::uint32_t first = first_group; first < group_count; first += groups_at_once) {
     const std::uint32_t count = std::min(groups_at_once, group_count - first);
     std::atomic<std::size_t> done = done_before;
     for_each_task(
-        count, threads_, [&] { return Worker(*this, below); },
+        count, threads_,
+        [&] {
+          return Worker{Gatherer(*this, below), {}};
+        },
         [&](Worker& worker, std::size_t i) {
           const auto group = static_cast<std::uint32_t>(first + i);
-          results[i] = worker.run(group, max_cost, members(group).size() / share);
+          results[i] = worker.simplifier.run(worker.gatherer.run(group), rules);
           done += members(group).size();
         },
         [&] { progress.reach(done); });
     done_before = done;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      if (journal_ != nullptr) journal_->append(results[i]);
-      join(results[i], level);
-    }
+    for (std::uint32_t i = 0; i < count; ++i) finish(results[i], level);
   }
+}
+
+// Writes tasks for other processes, and takes their results in order as they come. Results that an earlier build left
+// are taken over.
+void NodeSimplifier::simplify_elsewhere(const LevelDraft& below, const GroupRules& rules, std::uint32_t first_group,
+                                        std::uint32_t group_count, LevelBuilder& level, const ProgressPart& progress) {
+  struct Part {
+    std::uint32_t first = 0, count = 0;
+    std::filesystem::path task;
+    std::uint64_t checksum = 0;
+    bool is_started = false;
+  };
+  const HlodParts& parts = options_.parts;
+  std::deque<Part> waiting;
+  std::vector<SimplifiedNode> nodes;
+  const auto take_first = [&] {
+    const Part part = std::move(waiting.front());
+    waiting.pop_front();
+    if (part.is_started) parts.finish(part.task);
+    const std::filesystem::path result = result_of(part.task);
+    nodes.resize(part.count);
+    if (!read_result(result, part.checksum, nodes))
+      throw Error({result.string(), "", "is not there or not whole, though its groups were simplified",
+                   "name a folder that all machines see"});
+    for (std::uint32_t i = 0; i < part.count; ++i)
+      if (part.first + i >= first_group) finish(nodes[i], level);  // the journal had the others
+    remove_files({part.task, result});
+    progress.reach(first_member_[part.first + part.count]);
+  };
+  const std::uint32_t size = std::clamp(group_count / parts_of_level, 1U, groups_of_part);
+  for (std::uint32_t first = first_group / size * size; first < group_count; first += size) {
+    Part part{first, std::min(size, group_count - first), parts.folder / fmt::format("level-{}-{}", level_, first)};
+    part.task += task_extension;
+    const PartTask task = pack_task(rules, gather(below, first, part.count));
+    part.checksum = task.checksum;
+    nodes.resize(part.count);
+    part.is_started = !read_result(result_of(part.task), part.checksum, nodes);
+    if (part.is_started) {
+      write_task(part.task, task);
+      parts.start(part.task);
+    }
+    waiting.push_back(std::move(part));
+    while (!waiting.empty() && std::filesystem::exists(result_of(waiting.front().task))) take_first();
+  }
+  while (!waiting.empty()) take_first();
+}
+
+std::vector<GroupInput> NodeSimplifier::gather(const LevelDraft& below, std::uint32_t first,
+                                               std::uint32_t count) const {
+  std::vector<GroupInput> groups(count);
+  for_each_task(
+      count, threads_, [&] { return Gatherer(*this, below); },
+      [&](Gatherer& gatherer, std::size_t i) { groups[i] = gatherer.run(static_cast<std::uint32_t>(first + i)); },
+      [] {});
+  return groups;
 }
 
 void NodeSimplifier::lock(const LevelDraft& below, std::uint32_t group_count) {
@@ -361,15 +285,15 @@ std::span<const std::uint32_t> NodeSimplifier::members(std::uint32_t group) cons
 
 // Returns the cost at which a quarter is left: the median over groups, weighted by size. Where there are many groups,
 // only every `step`-th is sampled.
-float NodeSimplifier::common_cost(const LevelDraft& below, std::uint32_t group_count) const {
+float NodeSimplifier::common_cost(const LevelDraft& below, std::uint32_t group_count, const GroupRules& rules) const {
   const std::uint32_t step = std::max(1U, group_count / sampled_groups);
   const std::uint32_t samples = (group_count + step - 1) / step;
   std::vector<std::pair<float, std::size_t>> costs(samples);
   for_each_task(
-      samples, threads_, [&] { return Worker(*this, below); },
-      [&](Worker& worker, std::size_t i) {
+      samples, threads_, [&] { return Gatherer(*this, below); },
+      [&](Gatherer& gatherer, std::size_t i) {
         const auto group = static_cast<std::uint32_t>(i * step);
-        costs[i] = {worker.sample(group), members(group).size()};
+        costs[i] = {GroupSimplifier::cost_of(gatherer.run(group), rules), members(group).size()};
       },
       [] {});
   std::sort(costs.begin(), costs.end());
@@ -380,6 +304,12 @@ float NodeSimplifier::common_cost(const LevelDraft& below, std::uint32_t group_c
     if (2 * below_median >= total) return cost;
   }
   return costs.back().first;
+}
+
+// Notes a node that was not in the journal, and joins it to the level.
+void NodeSimplifier::finish(SimplifiedNode& result, LevelBuilder& level) {
+  if (journal_ != nullptr) journal_->append(result);
+  join(result, level);
 }
 
 void NodeSimplifier::join(SimplifiedNode& result, LevelBuilder& level) {

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "hlod/build/build_journal.h"
 #include "hlod/build/finish_level.h"
+#include "hlod/build/group_simplifier.h"
 #include "hlod/build/group_triangles.h"
 #include "hlod/build/level_draft.h"
 #include "hlod/store/hlod_data.h"
@@ -26,14 +27,21 @@ class NodeSimplifier {
   [[nodiscard]] LevelDraft run(LevelDraft& below, TriangleGroups groups, const ProgressPart& progress);
 
  private:
-  class Worker;
+  class Gatherer;
 
   void simplify(const LevelDraft& below, std::uint32_t first_group, std::uint32_t group_count, LevelBuilder& level,
                 const ProgressPart& progress);
+  void simplify_here(const LevelDraft& below, const GroupRules& rules, std::uint32_t first_group,
+                     std::uint32_t group_count, LevelBuilder& level, const ProgressPart& progress);
+  void simplify_elsewhere(const LevelDraft& below, const GroupRules& rules, std::uint32_t first_group,
+                          std::uint32_t group_count, LevelBuilder& level, const ProgressPart& progress);
+  [[nodiscard]] std::vector<GroupInput> gather(const LevelDraft& below, std::uint32_t first, std::uint32_t count) const;
+  [[nodiscard]] GroupRules rules_of(const LevelDraft& below, std::uint32_t group_count) const;
   void lock(const LevelDraft& below, std::uint32_t group_count);
   void list_members(const LevelDraft& below, std::uint32_t group_count);
   [[nodiscard]] std::span<const std::uint32_t> members(std::uint32_t group) const;
-  [[nodiscard]] float common_cost(const LevelDraft& below, std::uint32_t group_count) const;
+  [[nodiscard]] float common_cost(const LevelDraft& below, std::uint32_t group_count, const GroupRules& rules) const;
+  void finish(SimplifiedNode& result, LevelBuilder& level);
   void join(SimplifiedNode& result, LevelBuilder& level);
   void note(SimplifiedNode& result);
   void pass_on(const LevelDraft& level);
@@ -43,6 +51,7 @@ class NodeSimplifier {
   unsigned threads_;
   BuildJournal* journal_;
   float scale_;
+  unsigned level_ = 0;  // that run() makes
   // Vertices and wedges that the nodes of the unfinished level have lost and added, and boxes that have grown.
   LargeVector<VertexId> losses_;
   LargeVector<AddedWedge> added_;

@@ -54,7 +54,8 @@ using namespace sections;
 // Writes the parts of nodes and their checksums, node by node.
 class NodeSections {
  public:
-  NodeSections(SectionWriter& writer, std::string_view digests_name) : writer_(writer), digests_name_(digests_name) {}
+  NodeSections(SectionWriter& writer, std::string_view digests_name, unsigned threads)
+      : writer_(writer), digests_name_(digests_name), threads_(threads) {}
 
   // Adds them unpacked. `digest_of(n)` returns the checksum of node n.
   template <typename Digest>
@@ -67,14 +68,20 @@ class NodeSections {
     add_digests();
   }
 
-  // Adds them packed. `pack(n, bytes)` appends the part of node n.
+  // Adds them packed. `pack(packer, n, bytes)` appends the part of node n.
   template <typename Pack>
   void add_packed(std::string_view name, std::string_view places_name, std::size_t nodes, const Pack& pack) {
-    for (hlod::NodeId n = 0; n < nodes; ++n) {
-      make_room();
-      pack(n, packed_);
-      digests_.push_back(checksum_of(std::span<const std::byte>(packed_).subspan(places_.back())));
-      places_.push_back(packed_.size());
+    std::vector<LargeVector<std::byte>> packed(std::min(nodes, nodes_at_once));
+    for (std::size_t first = 0; first < nodes; first += nodes_at_once) {
+      const std::size_t count = std::min(nodes_at_once, nodes - first);
+      for_each_task(
+          count, threads_, [] { return std::make_unique<NodePacker>(); },
+          [&](const std::unique_ptr<NodePacker>& packer, std::size_t i) {
+            packed[i].clear();
+            pack(*packer, static_cast<hlod::NodeId>(first + i), packed[i]);
+          },
+          [] {});
+      for (std::size_t i = 0; i < count; ++i) append(packed[i]);
     }
     writer_.add(name, std::span<const std::byte>(packed_), Check::parts);
     writer_.add(places_name, std::span<const std::uint64_t>(places_));
@@ -82,10 +89,19 @@ class NodeSections {
   }
 
  private:
+  static constexpr std::size_t nodes_at_once = 256;  // in memory before they are joined
+
+  void append(std::span<const std::byte> node) {
+    make_room();
+    digests_.push_back(checksum_of(node));
+    packed_.insert(packed_.end(), node.begin(), node.end());
+    places_.push_back(packed_.size());
+  }
   void add_digests() { writer_.add(digests_name_, std::span<const std::uint64_t>(digests_)); }
 
   SectionWriter& writer_;
   std::string_view digests_name_;
+  unsigned threads_;
   LargeVector<std::byte> packed_;
   std::vector<std::uint64_t> places_{0}, digests_;
 };
@@ -104,12 +120,13 @@ Summary summary_of(const hlod::HlodView& view) {
 }  // namespace
 
 void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report,
-                 OlodCompression compression, const std::filesystem::path& image_folder, OhlodImages images) {
+                 OlodCompression compression, const std::filesystem::path& image_folder, OhlodImages images,
+                 int threads) {
   hlod.require_all();
   hlod::HlodView view = hlod.data();
   hlod::OwnImages own;
   if (images == OhlodImages::nodes && view.node_images.empty() && view.within.empty())
-    own = make_own_images(hlod, image_folder, thread_count(0));
+    own = make_own_images(hlod, image_folder, thread_count(threads));
   if (!own.table.empty()) {
     view.nodes = own.nodes;
     view.node_images = own.table;
@@ -122,24 +139,23 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
   const auto add_tables = [&](std::string_view name, const auto& array, bool has_parts) {
     if (!has_parts) writer.add(name, array);
   };
-  NodePacker packer;
   for_each_array(view, add_tables);
-  NodeSections meshes(writer, digests_name);
+  NodeSections meshes(writer, digests_name, thread_count(threads));
   if (is_packed)
     meshes.add_packed(packed_meshes_name, mesh_places_name, nodes,
-                      [&](hlod::NodeId n, auto& to) { packer.pack_mesh(view, n, to); });
+                      [&](NodePacker& packer, hlod::NodeId n, auto& to) { packer.pack_mesh(view, n, to); });
   else
     meshes.add(meshes_name, view.meshes, nodes, [&](hlod::NodeId n) { return digest_of_mesh(view, n); });
   const Summary summary = summary_of(view);
   writer.add(summary_name, std::span<const Summary>(&summary, 1));
   if (view.lattice_step > 0.0F) writer.add(lattice_name, std::span<const float>(&view.lattice_step, 1));
   writer.add_report(report);
-  NodeSections splits(writer, splits_digests_name);
+  NodeSections splits(writer, splits_digests_name, thread_count(threads));
   if (!view.within.empty()) {
     for_each_within_array(view, add_tables);
     if (is_packed)
       splits.add_packed(packed_splits_name, splits_places_name, nodes,
-                        [&](hlod::NodeId n, auto& to) { packer.pack_splits(view, n, to); });
+                        [&](NodePacker& packer, hlod::NodeId n, auto& to) { packer.pack_splits(view, n, to); });
     else
       splits.add(splits_name, view.splits, nodes, [&](hlod::NodeId n) { return digest_of_splits(view, n); });
   }

@@ -21,6 +21,19 @@ enum class Within {
              // bytes
 };
 
+// Has other processes simplify the groups of a build, which takes most of its time. Each task is a file with all that
+// the groups of one part of a level depend on; the result is a file beside it. A build takes results over that it
+// finds, also those of an earlier build that ended, and removes the files of what it has joined.
+struct HlodParts {
+  // A folder that all processes see; empty: the build simplifies its groups itself.
+  std::filesystem::path folder = {};
+  // Called with the file of a task: has simplify_part() called in some process. Need not wait for it.
+  std::function<void(const std::filesystem::path& task)> start = {};
+  // Called once for each task that was started, in the same order: returns when simplify_part() has. What either throws
+  // ends the build.
+  std::function<void(const std::filesystem::path& task)> finish = {};
+};
+
 // How an HLOD is built.
 struct HlodBuildOptions {
   std::uint32_t node_triangles = 2000;    // the most that a node of level 0 has; groups of four times as many are
@@ -41,6 +54,8 @@ struct HlodBuildOptions {
   // stays when the build ends: remove it once the result is written. What is damaged or cut off at its end is done
   // again. Error for a file that is no journal, that another build uses, or that does not fit.
   std::filesystem::path journal = {};
+  // Who simplifies groups. The result does not depend on it.
+  HlodParts parts = {};
   // Called now and then on the calling thread with the share done, in [0, 1], at last with 1; returning false cancels
   // the build, which then throws Error. What it throws ends the build too.
   std::function<bool(double)> progress = {};
@@ -52,6 +67,8 @@ struct HlodBuildOptions {
 // has a coordinate beyond farthest_coordinate, and when cancelled. O(n log n) time; about 100 bytes a triangle beside
 // the result while building.
 [[nodiscard]] Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options = {});
+// Builds the same, and counts in `report`, that of the mesh, what rounding to a lattice changes.
+[[nodiscard]] Hlod build_hlod(const TriangleMesh& mesh, const HlodBuildOptions& options, MeshReport& report);
 
 // Builds the same from a source that is read once, for meshes larger than memory: keep a MemoryLimit (occlod/base.h)
 // while this runs and while the result is written. Vertices of all pieces at one position become one, triangles with
@@ -59,6 +76,11 @@ struct HlodBuildOptions {
 // clean() of the whole mesh does, with the counts of reading that the source tells. The bytes are those of build_hlod()
 // of the cleaned mesh. Throws Error as above, for what pieces throw, and for 2^32 or more vertices or triangles.
 [[nodiscard]] Hlod build_hlod(const TriangleSource& source, const HlodBuildOptions& options, MeshReport& report);
+
+// Simplifies the groups of a task of HlodParts and writes the result, which appears whole or not at all. Does nothing
+// where that is there already. `threads` as in HlodBuildOptions. Throws Error for a file that is no task, is damaged or
+// of another version of occlod, and when the result cannot be written. O(n log n) within each group.
+void simplify_part(const std::filesystem::path& task, int threads = 0);
 
 // Refinement within nodes (Charalambos 2006, sec. 4.4): the mesh of a node with some of its collapses undone, so that
 // its error is anything between its own and its children's. For HLODs built with Within::splits.

@@ -129,15 +129,16 @@ enum class OhlodImages {
 
 // Writes beside `path` and renames, so that a file that was there stays as it was when writing fails. The same
 // arguments give the same bytes. With compression meshes and splits of nodes take about half their bytes, none of them
-// lost, node by node. `image_folder` is as for write_olod(). Throws Error that names the file. O(bytes).
+// lost, node by node, by `threads` threads, 0: one for each core. `image_folder` is as for write_olod(). Throws Error
+// that names the file. O(bytes).
 //
-// OhlodImages::nodes finds images in `image_folder` and packs what each node shows of them anew, on all cores, as
+// OhlodImages::nodes finds images in `image_folder` and packs what each node shows of them anew, as
 // tiles::write_tileset() does: with the texels of the input on level 0, others with about one for each error; errors of
 // nodes are then no less than their texels. Nodes have none where the HLOD has splits within nodes, whose coordinates
 // they would need; those that it has are written in any case. O(texels), and 7 bytes for each texel of the input.
 void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report,
                  OlodCompression compression = OlodCompression::zstd, const std::filesystem::path& image_folder = {},
-                 OhlodImages images = OhlodImages::named);
+                 OhlodImages images = OhlodImages::named, int threads = 0);
 
 // Reads a file: checks magic, version, sizes, and all that is known of nodes without their meshes: O(nodes). The mesh
 // of a node is checked (checksum and content) when Hlod::require() is first called for it, its splits when

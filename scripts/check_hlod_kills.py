@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""check_hlod_kills.py OCCLOD FOLDER [--cells 3200] [--memory 1G] [--kills 20] [--seed 1]: an HLOD of a model like those of photogrammetry, larger than memory, that
+is killed at random moments again and again and resumed each time has the bytes of a build that was left alone, on one thread and on all. Writes all files into FOLDER,
+2 * CELLS^2 triangles as FOLDER/terrain.obj (80 bytes each) unless that is there: rough ground with walls and holes, in charts of 64 x 64 cells, each in one of 16 images.
+Prints peak memory, bytes and times. Needs numpy."""
+import argparse
+import json
+import pathlib
+import random
+import subprocess
+import time
+
+import numpy as np
+
+CHART = 64  # cells along each side
+IMAGES = 16
+
+
+def heights(rows, cells, seed):
+    """Of these rows of vertices: hills with all wavelengths down to two cells, walls, and noise as of a scanner."""
+    y, x = np.meshgrid(rows, np.arange(cells + 1), indexing="ij")
+    total = np.zeros(x.shape)
+    random_ = np.random.default_rng(seed)
+    for wavelength in 2.0 ** np.arange(3, 12):
+        a, b, c, d = random_.uniform(0, 2 * np.pi, 4)
+        total += 0.08 * wavelength * np.sin(x * np.cos(a) * 6 / wavelength + b) * np.sin(y * np.cos(c) * 6 / wavelength + d)
+    total += np.where((x // 97 + y // 61) % 5 == 0, 40.0, 0.0)  # walls
+    noise = np.stack([np.random.default_rng((seed, int(row))).normal(0, 0.1, cells + 1) for row in rows])
+    return total + noise
+
+
+def write_model(folder, cells, seed):
+    with open(folder / "terrain.mtl", "w", encoding="utf-8") as file:
+        file.writelines(f"newmtl m{i}\nmap_Kd image{i}.png\n" for i in range(IMAGES))
+    with open(folder / "part.obj", "w", encoding="utf-8") as file:
+        file.write("mtllib terrain.mtl\n")
+        for first in range(0, cells + 1, 64):
+            rows = np.arange(first, min(first + 64, cells + 1))
+            z = heights(rows, cells, seed)
+            places = np.stack([np.broadcast_to(np.arange(cells + 1), z.shape), np.broadcast_to(rows[:, None], z.shape), z], axis=-1)
+            np.savetxt(file, places.reshape(-1, 3), "v %d %d %.4f")
+        t = np.stack(np.meshgrid(np.arange(CHART + 1), np.arange(CHART + 1)), axis=-1).reshape(-1, 2) / CHART
+        j, i = (index.ravel() for index in np.meshgrid(np.arange(CHART), np.arange(CHART), indexing="ij"))
+        charts = 0
+        for first_j in range(0, cells, CHART):
+            for first_i in range(0, cells, CHART):
+                low = np.array([charts % 32, charts // 32 % 32]) / 32  # of the image
+                np.savetxt(file, low + t / 33, "vt %.6f %.6f")
+                file.write(f"usemtl m{charts * 7 % IMAGES}\n")
+                v, w = (first_j + j) * (cells + 1) + first_i + i + 1, charts * (CHART + 1) ** 2 + j * (CHART + 1) + i + 1
+                step, row = cells + 1, CHART + 1
+                kept = np.random.default_rng((seed, charts, 1)).random(len(v)) > 0.0005 if charts % 3 == 0 else np.ones(len(v), bool)  # holes
+                for corners in (((0, 0), (1, 1), (step + 1, row + 1)), ((0, 0), (step + 1, row + 1), (step, row))):
+                    faces = np.stack([column for a, b in corners for column in (v + a, w + b)], axis=1)[kept]
+                    np.savetxt(file, faces, "f %d/%d %d/%d %d/%d")
+                charts += 1
+    (folder / "part.obj").rename(folder / "terrain.obj")
+
+
+def built(command, folder, name, *arguments):
+    start = time.monotonic()
+    printed = subprocess.run([*command, "-o", folder / name, "--json", *arguments], check=True, capture_output=True, text=True).stdout
+    told = json.loads(printed)
+    print(f"{name}: {told['triangles']} triangles, {time.monotonic() - start:.1f} s, peak {told['peak_bytes'] / 1e6:.0f} MB, "
+          f"scratch files {told['scratch_bytes'] / 1e6:.0f} MB, {told['file_bytes'] / 1e6:.0f} MB written", flush=True)
+    return time.monotonic() - start
+
+
+def same(a, b):
+    return subprocess.run(["cmp", a, b], check=False).returncode == 0
+
+
+def kill_again_and_again(command, folder, seconds, wanted, seed):
+    """At random moments of so many seconds. Builds that end sooner do not count: the next begins anew."""
+    target, moments, kills, start = folder / "killed.ohlod", random.Random(seed), 0, time.monotonic()
+    while kills < wanted:
+        target.unlink(missing_ok=True)
+        with subprocess.Popen([*command, "-o", target, "--resume"], stdout=subprocess.DEVNULL) as process:
+            try:
+                process.wait(moments.uniform(0, seconds))
+            except subprocess.TimeoutExpired:
+                process.kill()
+                kills += 1
+        kept = sum(file.stat().st_size for file in folder.glob("*.journal"))
+        print(f"kill {kills}: after {time.monotonic() - start:.0f} s in all, the journal has {kept / 1e6:.0f} MB", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("occlod", type=pathlib.Path)
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--cells", type=int, default=3200)
+    parser.add_argument("--memory", default="1G")
+    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    given.folder.mkdir(parents=True, exist_ok=True)
+    model = given.folder / "terrain.obj"
+    if not model.exists():
+        write_model(given.folder, given.cells, given.seed)
+    command = [given.occlod.resolve(), "hlod", "build", model, "--memory", given.memory]
+    built(command, given.folder, "one.ohlod", "--threads", "1")
+    seconds = built(command, given.folder, "all.ohlod")
+    kill_again_and_again(command, given.folder, seconds, given.kills, given.seed)
+    built(command, given.folder, "killed.ohlod", "--resume")
+    for other in ("all.ohlod", "killed.ohlod"):
+        if not same(given.folder / "one.ohlod", given.folder / other):
+            raise SystemExit(f"check_hlod_kills.py: {other} has other bytes")
+    print("the same bytes")
+
+
+if __name__ == "__main__":
+    main()
