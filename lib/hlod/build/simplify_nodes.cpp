@@ -18,10 +18,11 @@
 namespace occlod::hlod {
 namespace {
 
-constexpr std::size_t wanted_share = 4;    // target: a quarter of its input's triangles
-constexpr std::size_t smallest_share = 8;  // minimum: an eighth
-constexpr std::uint32_t sampled_groups = 32;
 constexpr std::uint32_t groups_at_once = 512;  // groups whose results are in memory at a time
+
+std::size_t share_of(std::size_t triangles, double share) {
+  return static_cast<std::size_t>(share * static_cast<double>(triangles));
+}
 
 }  // namespace
 
@@ -30,10 +31,11 @@ class NodeSimplifier::Worker {
  public:
   Worker(const NodeSimplifier& all, const LevelDraft& below) : all_(all), below_(below) {}
 
-  // Returns the cost at which a quarter of the group's triangles is left.
+  // Returns the cost at which the wanted share of the group's triangles is left.
   float sample(std::uint32_t group) {
     gather(group);
-    return simplify(std::numeric_limits<float>::max(), all_.members(group).size() / wanted_share).cost;
+    const std::size_t wanted = share_of(all_.members(group).size(), all_.reduction_.wanted_share);
+    return simplify(std::numeric_limits<float>::max(), wanted).cost;
   }
 
   SimplifiedNode run(std::uint32_t group, float max_cost, std::size_t min_triangles) {
@@ -43,7 +45,7 @@ class NodeSimplifier::Worker {
     result.error = simplified.error;
     result.guaranteed_error = all_.options_.error_bound == ErrorBound::measured ? measured_error(input_, simplified)
                                                                                 : simplified.guaranteed_error;
-    result.box = box();
+    if (all_.reduction_.keeps_bounds) result.box = box();
     for (const Triangle& t : simplified.triangles) result.triangles.push_back(global(t, vertices_.vertices()));
     for (const AddedWedge& added : simplified.added) {
       result.added.push_back({vertices_.vertices()[added.vertex], wedges_[added.attributes]});
@@ -52,8 +54,9 @@ class NodeSimplifier::Worker {
     if (all_.mesh_.has_seams())
       for (const Triangle& t : simplified.corners.empty() ? simplified.triangles : simplified.corners)
         result.corners.push_back(global(t, wedges_));
-    list_merges(simplified, result);
     list_lost(simplified, result);
+    if (!all_.reduction_.keeps_bounds) return result;
+    list_merges(simplified, result);
     list_vanished(simplified, result);
     if (!simplified.collapses.empty() && wedges_.size() <= stays && can_replay(simplified))
       keep_splits(simplified, result.within);
@@ -136,7 +139,8 @@ class NodeSimplifier::Worker {
   [[nodiscard]] SimplifiedGroup simplify(float max_cost, std::size_t min_triangles) const {
     return simplify_group(input_, locked_,
                           {all_.scale_, build_weights.boundary, max_cost, min_triangles,
-                           all_.options_.within == Within::splits, build_weights.attributes});
+                           all_.options_.within == Within::splits, build_weights.attributes,
+                           all_.reduction_.keeps_bounds || all_.options_.error_bound == ErrorBound::measured});
   }
 
   [[nodiscard]] Box box() const {
@@ -276,10 +280,11 @@ class NodeSimplifier::Worker {
   std::vector<GrownBox> grown_;                                      // by local vertex
 };
 
-NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options, unsigned threads,
-                               BuildJournal* journal)
+NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options, const Reduction& reduction,
+                               unsigned threads, BuildJournal* journal)
     : mesh_(mesh),
       options_(options),
+      reduction_(reduction),
       threads_(threads),
       journal_(journal),
       scale_(power_of_two_scale(mesh_.positions)),
@@ -309,11 +314,11 @@ void NodeSimplifier::simplify(const LevelDraft& below, std::uint32_t first_group
                               LevelBuilder& level, const ProgressPart& progress) {
   list_members(below, group_count);
   if (options_.borders == Borders::locked) lock(below, group_count);
-  // A single node is simplified to a quarter. Several all stop at one cost: if each were forced to a quarter, those
+  // A single node is simplified to the wanted share. Several all stop at one cost: if each were forced to it, those
   // with many locked vertices would have errors many times the others', which every coarser node inherits.
   const bool is_last = group_count == 1;
   const float max_cost = is_last ? std::numeric_limits<float>::max() : common_cost(below, group_count);
-  const std::size_t share = is_last ? wanted_share : smallest_share;
+  const double share = is_last ? reduction_.wanted_share : reduction_.least_share;
 
   std::vector<SimplifiedNode> results(groups_at_once);
   std::size_t done_before = first_member_[first_group];
@@ -324,7 +329,7 @@ void NodeSimplifier::simplify(const LevelDraft& below, std::uint32_t first_group
         count, threads_, [&] { return Worker(*this, below); },
         [&](Worker& worker, std::size_t i) {
           const auto group = static_cast<std::uint32_t>(first + i);
-          results[i] = worker.run(group, max_cost, members(group).size() / share);
+          results[i] = worker.run(group, max_cost, share_of(members(group).size(), share));
           done += members(group).size();
         },
         [&] { progress.reach(done); });
@@ -359,10 +364,10 @@ std::span<const std::uint32_t> NodeSimplifier::members(std::uint32_t group) cons
                                                           first_member_[group + 1] - first_member_[group]);
 }
 
-// Returns the cost at which a quarter is left: the median over groups, weighted by size. Where there are many groups,
+// Returns the cost at which the wanted share is left: the median over groups, weighted by size. Where there are many groups,
 // only every `step`-th is sampled.
 float NodeSimplifier::common_cost(const LevelDraft& below, std::uint32_t group_count) const {
-  const std::uint32_t step = std::max(1U, group_count / sampled_groups);
+  const std::uint32_t step = std::max(1U, group_count / reduction_.sampled_groups);
   const std::uint32_t samples = (group_count + step - 1) / step;
   std::vector<std::pair<float, std::size_t>> costs(samples);
   for_each_task(
