@@ -1,5 +1,7 @@
 // bench_clusters: clusters beside those of meshoptimizer's clusterlod.h: time to build, triangles stored, and triangles
 // drawn at cuts that are as far from the input, measured by the same code.
+#include "occlod/clusters.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -16,7 +18,6 @@
 
 #include "measure/surface_distance.h"
 #include "occlod/build_hlod.h"
-#include "occlod/clusters.h"
 #include "occlod/hlod.h"
 #include "peers/raw_clusters.h"
 #include "support/bench_meshes.h"
@@ -38,7 +39,9 @@ struct Options {
 };
 
 // Processor time, since all run on one thread.
-double milliseconds_since(std::clock_t start) { return 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC; }
+double milliseconds_since(std::clock_t start) {
+  return 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+}
 
 // What both builders give.
 struct Subject {
@@ -170,7 +173,7 @@ std::vector<Point> curve(const measure::Surface& input, const Subject& subject, 
 }
 
 // Returns the triangles of the curve at a distance, between its neighbours; none where it does not reach.
-std::optional<double> triangles_at(const std::vector<Point>& points, double wanted, double Point::* distance) {
+std::optional<double> triangles_at(const std::vector<Point>& points, double wanted, double Point::*distance) {
   for (std::size_t i = 1; i < points.size(); ++i) {
     const Point &a = points[i - 1], &b = points[i];
     if (!(a.*distance <= wanted && wanted <= b.*distance && a.*distance < b.*distance)) continue;
@@ -180,7 +183,7 @@ std::optional<double> triangles_at(const std::vector<Point>& points, double want
   return std::nullopt;
 }
 
-std::string ratios(const std::vector<Point>& ours, const std::vector<Point>& theirs, double Point::* distance) {
+std::string ratios(const std::vector<Point>& ours, const std::vector<Point>& theirs, double Point::*distance) {
   std::vector<std::string> texts;
   double sum = 0.0;
   int count = 0;
@@ -232,12 +235,15 @@ void print_rows(const std::string& name, const Options& options) {
   for (const Point& p : of_theirs)
     fmt::print("clusterlod {} {:.0f} {:.5g} {:.5g}\n", name, p.triangles, p.rms / input.diagonal(),
                p.max / input.diagonal());
-  fmt::print("triangles drawn at equal RMS distance, ours to clusterlod's: {}\n", ratios(of_ours, of_theirs, &Point::rms));
+  fmt::print("triangles drawn at equal RMS distance, ours to clusterlod's: {}\n",
+             ratios(of_ours, of_theirs, &Point::rms));
   fmt::print("at equal largest distance: {}\n", ratios(of_ours, of_theirs, &Point::max));
 }
 
 void run(const Options& options) {
-  fmt::print("| mesh | builder | ms | stored | groups | clusters | triangles | vertices |\n|---|---|---|---|---|---|---|---|\n");
+  fmt::print(
+      "| mesh | builder | ms | stored | groups | clusters | triangles | vertices "
+      "|\n|---|---|---|---|---|---|---|---|\n");
   for (const std::string& name : available(options.meshes)) print_rows(name, options);
 }
 

@@ -173,11 +173,13 @@ void add_hlod_build(CLI::App& hlod) {
   command.add_flag("--resume", options->resume,
                    "Keep finished nodes in OUTPUT.journal until the output is there. A build that was killed goes on "
                    "from it when the same command runs again");
-  CLI::Option* const clusters = add_number(
-      command, "--clusters", options->clusters, WholeRange{min_cluster_triangles, max_cluster_triangles},
-      "Make clusters of at most so many triangles and 256 vertices for other renderers, as meshoptimizer's clusterlod.h "
-      "does, on levels that halve, as arrays in a .glb file. 128 suits mesh shaders");
-  for (const char* other : {"--node-triangles", "--grouping", "--borders", "--within", "--quantise", "--memory", "--resume"})
+  CLI::Option* const clusters =
+      add_number(command, "--clusters", options->clusters, WholeRange{min_cluster_triangles, max_cluster_triangles},
+                 "Make clusters of at most so many triangles and 256 vertices for other renderers, as meshoptimizer's "
+                 "clusterlod.h "
+                 "does, on levels that halve, as arrays in a .glb file. 128 suits mesh shaders");
+  for (const char* other :
+       {"--node-triangles", "--grouping", "--borders", "--within", "--quantise", "--memory", "--resume"})
     clusters->excludes(command.get_option(other));
   command.callback([options, &command] {
     read_global_options(command,

@@ -20,12 +20,12 @@ struct RawMesh {
 
 // Clusters as clusterlod.h gives them.
 struct RawClusters {
-  std::vector<double> milliseconds;     // one: the median of the rounds
-  std::vector<float> group_errors;      // the largest float: nothing replaces the group
-  std::vector<std::uint32_t> groups;    // by cluster
-  std::vector<std::uint32_t> refined;   // by cluster; the largest integer: of the input
+  std::vector<double> milliseconds;                        // one: the median of the rounds
+  std::vector<float> group_errors;                         // the largest float: nothing replaces the group
+  std::vector<std::uint32_t> groups;                       // by cluster
+  std::vector<std::uint32_t> refined;                      // by cluster; the largest integer: of the input
   std::vector<std::uint32_t> vertex_counts, index_counts;  // by cluster
-  std::vector<std::uint32_t> indices;   // cluster by cluster
+  std::vector<std::uint32_t> indices;                      // cluster by cluster
 
   template <typename Visit>
   void visit_arrays(const Visit& visit) {

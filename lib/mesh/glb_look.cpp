@@ -44,9 +44,9 @@ std::optional<std::size_t> GlbLook::image_of(TextureId t, const MeshOutput& outp
   // A file that is not there may be of any format.
   const bool may_be_any = image.bytes_of(texture).empty() && image.type == "application/octet-stream";
   if (!gltf_image_extension(image.type) && !may_be_any) {
-    output.notes.push_back(fmt::format("the image {} is left out: glTF has PNG, JPEG, WebP, KTX2, DDS and AVIF",
-                                       texture.file.empty() ? fmt::format("of texture {}", t)
-                                                            : in_quotes(texture.file)));
+    output.notes.push_back(
+        fmt::format("the image {} is left out: glTF has PNG, JPEG, WebP, KTX2, DDS and AVIF",
+                    texture.file.empty() ? fmt::format("of texture {}", t) : in_quotes(texture.file)));
     return std::nullopt;
   }
   images_.push_back(std::move(image));

@@ -237,7 +237,7 @@ class CollapseWorker {
   std::vector<float> ring_costs_;
   std::vector<StarFace> folded_;
   std::size_t faces_gone_ = 0, last_gone_ = 0;
-  float largest_cost_ = 0.0F, largest_error_ = 0.0F;  // where collapses are not wanted; in the state's scale
+  float largest_cost_ = 0.0F, largest_error_ = 0.0F;    // where collapses are not wanted; in the state's scale
   std::array<Batch, Fan::max_neighbours + 1> batches_;  // by number of corners
   CollapseRecords& records_;
   CollapseMemory memory_;

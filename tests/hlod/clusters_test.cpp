@@ -56,8 +56,8 @@ std::vector<std::uint32_t> drawn(const ClusterLod& lod, const Sight& sight) {
   for (std::uint32_t c = 0; c < lod.clusters.size(); ++c) {
     const Cluster& cluster = lod.clusters[c];
     const ClusterGroup& group = lod.groups[cluster.group];
-    const bool is_fine_enough = cluster.refined == no_id || sight.allows(lod.groups[cluster.refined].sphere,
-                                                                         lod.groups[cluster.refined].error);
+    const bool is_fine_enough =
+        cluster.refined == no_id || sight.allows(lod.groups[cluster.refined].sphere, lod.groups[cluster.refined].error);
     if (is_fine_enough && !sight.allows(group.sphere, group.error)) result.push_back(c);
   }
   return result;
@@ -257,9 +257,9 @@ TEST(Clusters, LevelsHalve) {
 }
 
 TEST(Clusters, ErrorsAreBoundsWhenMeasured) {
-  const std::vector<std::pair<const char*, TriangleMesh>> meshes = {
-      {"noisy_sphere", occlod::test::noisy_sphere(6, 2)}, {"torus", occlod::test::torus(150, 60)},
-      {"grid", occlod::test::grid(90, 70)}};
+  const std::vector<std::pair<const char*, TriangleMesh>> meshes = {{"noisy_sphere", occlod::test::noisy_sphere(6, 2)},
+                                                                    {"torus", occlod::test::torus(150, 60)},
+                                                                    {"grid", occlod::test::grid(90, 70)}};
   for (const auto& [name, mesh] : meshes) {
     SCOPED_TRACE(name);
     const ClusterLod lod = build(mesh, ErrorBound::measured);
@@ -379,7 +379,7 @@ TEST(ClusterFile, KeepsMaterialsAndAttributesPacked) {
     EXPECT_EQ(sorted_triangles(read.positions, read.triangles), sorted_triangles(mesh.positions, mesh.triangles));
     EXPECT_EQ(read.texture_coordinates.empty(), mesh.texture_coordinates.empty());
     EXPECT_EQ(read.wedge_count(), mesh.wedge_count());
-    EXPECT_EQ(read.materials.size(), std::max<std::size_t>(1, mesh.materials.size()));
+    EXPECT_EQ(read.materials.size(), mesh.materials.size());
   }
 }
 

@@ -45,11 +45,7 @@ TriangleGroups by_triangle(const Cells& cells, const CellGroups& groups, unsigne
 
 TriangleGrouping::TriangleGrouping(const WedgeMesh& mesh, Grouping grouping, const Reduction& reduction,
                                    unsigned threads)
-    : mesh_(mesh),
-      grouping_(grouping),
-      reduction_(reduction),
-      threads_(threads),
-      grid_(bounding_box(mesh.positions)) {}
+    : mesh_(mesh), grouping_(grouping), reduction_(reduction), threads_(threads), grid_(bounding_box(mesh.positions)) {}
 
 glm::dvec3 TriangleGrouping::centroid(const Triangle& t) const {
   return (glm::dvec3(mesh_.positions[t.x]) + glm::dvec3(mesh_.positions[t.y]) + glm::dvec3(mesh_.positions[t.z])) / 3.0;

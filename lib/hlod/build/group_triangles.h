@@ -66,8 +66,8 @@ void grow_stuck_groups(std::span<const Triangle> triangles, std::span<const std:
 
 // Avoids patches that are too small to be worth a draw call. A patch is the set of a node's triangles in one group. A
 // patch of fewer than Reduction::smallest_patch triangles moves to the group of the same node that shares most vertices
-// with it, unless that makes the group larger than Reduction::largest_group. Any assignment of triangles to groups is legal. The
-// result does not depend on the number of threads. O(n log n) within each node.
+// with it, unless that makes the group larger than Reduction::largest_group. Any assignment of triangles to groups is
+// legal. The result does not depend on the number of threads. O(n log n) within each node.
 void move_slivers(const LevelDraft& level, const Reduction& reduction, TriangleGroups& groups, unsigned threads);
 
 }  // namespace occlod::hlod

@@ -137,10 +137,10 @@ class NodeSimplifier::Worker {
   }
 
   [[nodiscard]] SimplifiedGroup simplify(float max_cost, std::size_t min_triangles) const {
-    return simplify_group(input_, locked_,
-                          {all_.scale_, build_weights.boundary, max_cost, min_triangles,
-                           all_.options_.within == Within::splits, build_weights.attributes,
-                           all_.reduction_.keeps_bounds || all_.options_.error_bound == ErrorBound::measured});
+    return simplify_group(
+        input_, locked_,
+        {all_.scale_, build_weights.boundary, max_cost, min_triangles, all_.options_.within == Within::splits,
+         build_weights.attributes, all_.reduction_.keeps_bounds || all_.options_.error_bound == ErrorBound::measured});
   }
 
   [[nodiscard]] Box box() const {
@@ -364,8 +364,8 @@ std::span<const std::uint32_t> NodeSimplifier::members(std::uint32_t group) cons
                                                           first_member_[group + 1] - first_member_[group]);
 }
 
-// Returns the cost at which the wanted share is left: the median over groups, weighted by size. Where there are many groups,
-// only every `step`-th is sampled.
+// Returns the cost at which the wanted share is left: the median over groups, weighted by size. Where there are many
+// groups, only every `step`-th is sampled.
 float NodeSimplifier::common_cost(const LevelDraft& below, std::uint32_t group_count) const {
   const std::uint32_t step = std::max(1U, group_count / reduction_.sampled_groups);
   const std::uint32_t samples = (group_count + step - 1) / step;

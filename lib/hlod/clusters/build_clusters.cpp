@@ -33,9 +33,9 @@ constexpr double min_progress = 0.97;  // a level with a larger share of the tri
 Reduction cluster_reduction(std::uint32_t max_triangles) {
   return {.node_triangles = 0,  // level 0 is one node
           .group_triangles = 16 * max_triangles,
-          .wanted_share = 0.5,
-          .least_share = 0.25,
-          .sampled_groups = 8,
+          .wanted_share = 0.48,  // levels halve, as groups with many locked vertices keep more
+          .least_share = 0.24,
+          .sampled_groups = 16,
           .smallest_patch = max_triangles / 4,
           .largest_group = 24 * max_triangles,
           .keeps_bounds = false};
@@ -66,13 +66,12 @@ class ClusterBuilder {
 
   ClusterLod run() {
     progress_.reach(0.0);
-    LevelDraft level = input_level(
-        mesh_, {LargeVector<std::uint32_t>(mesh_.triangles.size(), 0U), 1}, threads_);
+    LevelDraft level = input_level(mesh_, {LargeVector<std::uint32_t>(mesh_.triangles.size(), 0U), 1}, threads_);
     lod_.input_triangles = level.triangles.size();
     while (level.triangles.size() > options_.max_triangles) {
       LevelDraft above = level_above(level);
       const bool is_worth = !above.triangles.empty() && static_cast<double>(above.triangles.size()) <=
-                                                           min_progress * static_cast<double>(level.triangles.size());
+                                                            min_progress * static_cast<double>(level.triangles.size());
       if (!is_worth) break;
       add_level(level, above.nodes.size(), above.nodes);
       level = std::move(above);

@@ -12,8 +12,7 @@ void ClusterCutter::cut(std::span<const Triangle> triangles, std::span<std::uint
   items_.clear();
   for (const std::uint32_t t : members) {
     const Triangle& triangle = triangles[t];
-    items_.push_back(
-        {mesh_.positions[triangle.x] + mesh_.positions[triangle.y] + mesh_.positions[triangle.z], t});
+    items_.push_back({mesh_.positions[triangle.x] + mesh_.positions[triangle.y] + mesh_.positions[triangle.z], t});
   }
   const auto count = static_cast<std::uint32_t>(members.size());
   split(triangles, items_, (count + max_triangles_ - 1) / max_triangles_, pieces);

@@ -148,7 +148,7 @@ class ClusterWriter {
   }
 
   std::size_t add_view(const ByteStream& stream, ViewKind kind) {
-    contents_.push_back(!compresses_                  ? stream.bytes()
+    contents_.push_back(!compresses_                ? stream.bytes()
                         : kind == ViewKind::indices ? tiles::encode_triangles(lod_.indices, mesh_.positions.size())
                                                     : tiles::encode_vertices(stream));
     const std::size_t bytes = contents_.back().size();

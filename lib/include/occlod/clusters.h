@@ -26,10 +26,10 @@ inline constexpr float endless_error = std::numeric_limits<float>::max();
 // Some triangles that are drawn together or not at all. It is drawn iff the error of its group, seen from the eye, is
 // above the tolerance, and that of the group that it was simplified from is not, or there is none.
 struct Cluster {
-  Sphere sphere;                  // holds its triangles; for culling
-  float error = 0.0F;             // of drawing it instead of the input: that of groups[refined]; 0 on level 0
-  std::uint32_t first_index = 0;  // into ClusterLod::indices
-  std::uint32_t index_count = 0;  // three for each triangle
+  Sphere sphere;                   // holds its triangles; for culling
+  float error = 0.0F;              // of drawing it instead of the input: that of groups[refined]; 0 on level 0
+  std::uint32_t first_index = 0;   // into ClusterLod::indices
+  std::uint32_t index_count = 0;   // three for each triangle
   std::uint32_t vertex_count = 0;  // different ones; at most max_cluster_vertices
   std::uint32_t group = 0;         // into ClusterLod::groups: what replaces it, together with others
   std::uint32_t refined = no_id;   // the group that it was simplified from; no_id: triangles of the input
@@ -39,10 +39,10 @@ struct Cluster {
 
 // Clusters that are simplified together: all of them are replaced at once, by the clusters whose `refined` it is.
 struct ClusterGroup {
-  Sphere sphere;                    // holds its clusters and the spheres of the groups that these were simplified from
-  float error = endless_error;      // of what replaces it, instead of the input, object units: about an RMS, or measured
-                                    // (ClusterOptions::error_bound); no less than those of groups that its clusters
-                                    // were simplified from
+  Sphere sphere;                // holds its clusters and the spheres of the groups that these were simplified from
+  float error = endless_error;  // of what replaces it, instead of the input, object units: about an RMS, or measured
+                                // (ClusterOptions::error_bound); no less than those of groups that its clusters
+                                // were simplified from
   std::uint32_t first_cluster = 0;  // into ClusterLod::clusters
   std::uint32_t cluster_count = 0;
   std::uint32_t level = 0;  // of its clusters
