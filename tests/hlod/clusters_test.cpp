@@ -223,7 +223,9 @@ TEST_P(RealClusters, AnyCutIsTheSurface) {
   expect_sound(lod, 128);
   expect_input(mesh, lod);
   expect_whole_cuts(mesh, lod, 12);
-  EXPECT_LT(lod.stored_triangles(), 2 * lod.input_triangles);
+  // Seams keep more: charts must not slip.
+  const double most = mesh.texture_coordinates.empty() ? 2.0 : 2.1;
+  EXPECT_LT(static_cast<double>(lod.stored_triangles()), most * static_cast<double>(lod.input_triangles));
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, RealClusters,

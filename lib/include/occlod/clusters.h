@@ -44,8 +44,8 @@ struct ClusterGroup {
                                 // (ClusterOptions::error_bound); no less than those of groups that its clusters
                                 // were simplified from
   std::uint32_t first_cluster = 0;  // into ClusterLod::clusters
-  std::uint32_t cluster_count = 0;
-  std::uint32_t level = 0;  // of its clusters
+  std::uint32_t cluster_count = 0;  // from there on
+  std::uint32_t level = 0;          // of its clusters
 };
 
 // All levels of a mesh. The clusters of one level follow each other, the finest first, and so do those of a group.
