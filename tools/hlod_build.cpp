@@ -1,15 +1,17 @@
-// Implements `occlod hlod build INPUT... -o FILE.ohlod`.
+// Implements `occlod hlod build INPUT... -o FILE.ohlod`, or `--clusters N -o FILE.glb`.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "command_files.h"
 #include "global_options.h"
 #include "hlod.h"
+#include "hlod_clusters.h"
 #include "interrupt.h"
 #include "mesh/image_files.h"
 #include "occlod/base.h"
@@ -23,12 +25,16 @@ namespace occlod::tool {
 namespace {
 
 constexpr int min_bits = 8, max_bits = 23;
+constexpr std::uint64_t min_cluster_triangles = 32, max_cluster_triangles = 256;
+
+enum class Packing { none, zstd, meshopt };
 
 struct Options {
   std::vector<std::string> inputs;
   std::string output;
   hlod::HlodBuildOptions build;
-  OlodCompression compression = OlodCompression::zstd;
+  std::uint32_t clusters = 0;      // the most triangles of one; 0: nodes
+  std::optional<Packing> packing;  // nothing: zstd for nodes, none for clusters
   std::optional<std::size_t> memory;
   std::string scratch;
   bool resume = false;
@@ -52,7 +58,9 @@ void check(const Options& options, CommandFiles& files) {
   if (options.build.grouping == hlod::Grouping::shifted && options.build.borders == hlod::Borders::free)
     throw CLI::ValidationError("--borders", "free needs --grouping nested: shifted groups are there to have no gaps");
   for (const std::string& input : options.inputs) files.add_input("an input", input);
-  files.add_output("--output", options.output, ".ohlod");
+  files.add_output("--output", options.output, options.clusters > 0 ? ".glb" : ".ohlod");
+  if (options.packing == (options.clusters > 0 ? Packing::zstd : Packing::meshopt))
+    throw CLI::ValidationError("--compress", "meshopt and --clusters go together, as zstd and .ohlod do");
   if (options.resume) files.add_output("--resume", journal_of(options));
   if (options.memory && options.build.within == hlod::Within::splits)
     throw CLI::ValidationError("--memory", "goes with --within geomorph only: splits of all nodes are kept in memory");
@@ -75,6 +83,12 @@ void run(const Options& options) {
   CommandFiles files;
   check(options, files);
   Progress progress(options.progress);
+  if (options.clusters > 0) {
+    const bool compresses = options.packing == Packing::meshopt;
+    return build_clusters({options.inputs, options.output, options.clusters, options.build.error_bound, compresses,
+                           options.build.threads},
+                          progress, options.json);
+  }
   Stopwatch stopwatch;
   std::optional<MemoryLimit> limit;
   if (options.memory) limit.emplace(*options.memory, scratch_folder(options));
@@ -82,8 +96,9 @@ void run(const Options& options) {
       build_from_files(options.inputs, limit.has_value(), build_options(options, progress), progress);
   const double build_ms = stopwatch.restart();
   write_interruptibly(options.output, built.hlod.bytes(), progress, [&] {
-    write_ohlod(options.output, built.hlod, built.report, options.compression, folder_of(options.inputs[0]),
-                OhlodImages::nodes, options.build.threads);
+    write_ohlod(options.output, built.hlod, built.report,
+                options.packing == Packing::none ? OlodCompression::none : OlodCompression::zstd,
+                folder_of(options.inputs[0]), OhlodImages::nodes, options.build.threads);
   });
   if (options.resume) remove_journal(journal_of(options));
   const double write_ms = stopwatch.milliseconds();
@@ -113,7 +128,7 @@ void add_hlod_build(CLI::App& hlod) {
   const auto options = std::make_shared<Options>();
   add_file(command, "INPUT", options->inputs, "A scene (.json) or meshes (.ply, .obj, .off, .stl, .gltf or .glb)")
       ->required();
-  add_file(command, "-o,--output", options->output, "File to write, .ohlod")->required();
+  add_file(command, "-o,--output", options->output, "File to write, .ohlod; with --clusters .glb")->required();
   add_node_triangles(command, options->build.node_triangles);
   add_choice(command, "--grouping", options->build.grouping,
              {{"shifted", hlod::Grouping::shifted}, {"nested", hlod::Grouping::nested}},
@@ -143,10 +158,12 @@ void add_hlod_build(CLI::App& hlod) {
           "Errors are then relative to the rounded mesh; 0: as they are")
       ->transform(in_range(WholeRange{0, max_bits}))
       ->type_name("N");
-  add_choice(command, "--compress", options->compression,
-             {{"none", OlodCompression::none}, {"zstd", OlodCompression::zstd}},
-             "zstd: meshes of nodes take half the bytes or less, none of them lost, and are unpacked one by one when "
-             "used; none: the file is mapped into memory when used");
+  using Packed = std::optional<Packing>;
+  add_choice(command, "--compress", options->packing,
+             {{"none", Packed(Packing::none)}, {"zstd", Packed(Packing::zstd)}, {"meshopt", Packed(Packing::meshopt)}},
+             "zstd, the default: meshes of nodes take half the bytes or less, none of them lost, and are unpacked one "
+             "by one when used; none, that of --clusters: the file is mapped into memory when used; meshopt, with "
+             "--clusters: by EXT_meshopt_compression, without loss");
   add_memory(command, options->memory, min_build_memory,
              "Stream the input and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files. The "
              "result does not depend on how much. Not with --within splits, which keeps all nodes in memory");
@@ -156,6 +173,14 @@ void add_hlod_build(CLI::App& hlod) {
   command.add_flag("--resume", options->resume,
                    "Keep finished nodes in OUTPUT.journal until the output is there. A build that was killed goes on "
                    "from it when the same command runs again");
+  CLI::Option* const clusters =
+      add_number(command, "--clusters", options->clusters, WholeRange{min_cluster_triangles, max_cluster_triangles},
+                 "Make clusters of at most so many triangles and 256 vertices for other renderers, as meshoptimizer's "
+                 "clusterlod.h "
+                 "does, on levels that halve, as arrays in a .glb file. 128 suits mesh shaders");
+  for (const char* other :
+       {"--node-triangles", "--grouping", "--borders", "--within", "--quantise", "--memory", "--resume"})
+    clusters->excludes(command.get_option(other));
   command.callback([options, &command] {
     read_global_options(command,
                         {.json = &options->json, .progress = &options->progress, .threads = &options->build.threads});

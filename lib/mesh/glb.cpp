@@ -7,13 +7,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "base/file_input.h"
+#include "mesh/glb_look.h"
 #include "mesh/image_files.h"
 #include "mesh/mesh_writers.h"
 
@@ -229,75 +228,14 @@ class GlbWriter {
     const glm::dvec3& o = mesh_.origin;
     if (o != glm::dvec3(0.0)) document_.json()["nodes"][0]["translation"] = {o.x, o.y, o.z};
     for (const GlbPrimitive& primitive : primitives_) describe(primitive);
-    choose_textures();
-    for (Material material : mesh_.materials) {
-      change_textures(material, [&](TextureId id) { return new_ids_[id]; });
-      document_.add_material(material);
-    }
-    for (const Image& image : images_) describe(image);
-    for (const auto& [texture, image] : textures_)
-      document_.add_texture(mesh_.textures[texture], image, images_[image].type);
+    const GlbLook look(mesh_, output_);
+    look.describe(document_);
     out_.text("{}", document_.head(errors));
     for (const GlbPrimitive& primitive : primitives_) write(primitive);
-    for (const Image& image : images_) write(image);
+    look.write(out_);
   }
 
  private:
-  // An image of the document.
-  struct Image {
-    TextureId texture;  // the first that shows it
-    std::string type;   // MIME
-    std::vector<std::uint8_t> file_bytes;
-
-    [[nodiscard]] std::span<const std::uint8_t> bytes_of(const Texture& from) const {
-      return from.bytes.empty() ? std::span(file_bytes) : std::span(from.bytes);
-    }
-  };
-
-  // Fills images_, textures_ and new_ids_. What glTF has no image for is left out, with a note.
-  void choose_textures() {
-    const std::vector<Texture>& all = mesh_.textures;
-    new_ids_.resize(all.size(), no_texture);
-    if (mesh_.texture_coordinates.empty()) {
-      if (!all.empty()) output_.notes.emplace_back("without texture coordinates there are no textures in a GLB file");
-      return;
-    }
-    for (std::size_t t = 0; t < all.size(); ++t) {
-      const auto id = static_cast<TextureId>(t);
-      const std::optional<std::size_t> image = image_of(id);
-      if (!image) continue;
-      new_ids_[t] = static_cast<TextureId>(textures_.size());
-      textures_.emplace_back(id, *image);
-    }
-  }
-
-  // Finds or adds the image of a texture. Returns nothing when it is left out.
-  std::optional<std::size_t> image_of(TextureId t) {
-    const Texture& texture = mesh_.textures[t];
-    for (std::size_t i = 0; i < images_.size(); ++i) {
-      const Texture& other = mesh_.textures[images_[i].texture];
-      if (other.file == texture.file && other.bytes == texture.bytes) return i;
-    }
-    Image image{t, {}, {}};
-    if (texture.bytes.empty()) {
-      image.file_bytes = read_image(texture, output_.image_folder).value_or(std::vector<std::uint8_t>());
-      image.type = image_type(image.file_bytes, texture.file);
-      if (image.file_bytes.empty()) note_missing(texture.file, output_);
-    } else {
-      image.type = image_type(texture);
-    }
-    // A file that is not there may be of any format.
-    const bool may_be_any = image.bytes_of(texture).empty() && image.type == "application/octet-stream";
-    if (!gltf_image_extension(image.type) && !may_be_any) {
-      output_.notes.push_back(
-          fmt::format("the image {} is left out: glTF has PNG, JPEG, WebP, KTX2, DDS and AVIF",
-                      texture.file.empty() ? fmt::format("of texture {}", t) : in_quotes(texture.file)));
-      return std::nullopt;
-    }
-    images_.push_back(std::move(image));
-    return images_.size() - 1;
-  }
-
   std::size_t add_accessor(std::uint64_t bytes, int target, int component_type, std::size_t count, const char* type) {
     return document_.add_accessor(bytes, target, component_type, count, type);
   }
@@ -342,15 +280,6 @@ class GlbWriter {
     document_.json()["accessors"].back()["max"] = std::move(most);
   }
 
-  void describe(const Image& image) {
-    const Texture& texture = mesh_.textures[image.texture];
-    const std::size_t bytes = image.bytes_of(texture).size();
-    if (bytes == 0)
-      document_.add_image({{"uri", uri_of(texture.file)}});
-    else
-      document_.add_image({{"bufferView", document_.add_view(bytes, 0)}, {"mimeType", image.type}});
-  }
-
   void write(const GlbPrimitive& primitive) {
     for (const WedgeId w : primitive.wedges) out_.vector(mesh_.positions[w]);
     for (const WedgeId w : primitive.wedges) {
@@ -377,19 +306,10 @@ class GlbWriter {
     if (is_short && primitive.triangles.size() % 2 != 0) out_.numbers(std::uint16_t{0});
   }
 
-  void write(const Image& image) {
-    const std::span<const std::uint8_t> bytes = image.bytes_of(mesh_.textures[image.texture]);
-    for (const std::uint8_t byte : bytes) out_.numbers(byte);
-    for (std::size_t i = bytes.size(); i % 4 != 0; ++i) out_.numbers(std::uint8_t{0});
-  }
-
   ChunkedWriter& out_;
   const TriangleMesh& mesh_;
   const MeshOutput& output_;
   const std::vector<GlbPrimitive> primitives_;
-  std::vector<Image> images_;
-  std::vector<std::pair<TextureId, std::size_t>> textures_;  // of the document: which of the mesh, with which image
-  std::vector<TextureId> new_ids_;                           // by texture of the mesh; no_texture: left out
   GlbDocument document_;
 };
 

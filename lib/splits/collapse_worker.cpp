@@ -151,6 +151,7 @@ void CollapseWorker::start(const Block& block) {
   corners_.clear();
   wedge_merges_.clear();
   faces_gone_ = last_gone_ = 0;
+  largest_cost_ = largest_error_ = 0.0F;
   queue_.reset(block.vertices.size());
   constexpr std::uint32_t ahead = 16;
   for (std::uint32_t i = 0; i < block.vertices.size(); ++i) {
@@ -340,16 +341,18 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
     state_.attributes->sums[u] += state_.attributes->sums[v];
   }
   const glm::vec3 edge = state_.edge(v, u);
+  float error = std::sqrt(state_.vertices[v].quadric.mean_square(edge));
+  // A collapse that breaks the topology may leave nothing near the faces it ends, so their own extent is added.
+  if (!choice.keeps_topology) {
+    moved = longest_edge(std::span(ended_).subspan(first_ended));
+    error = std::max(error, moved);
+  }
   if (state_.keeps_collapses) {
-    float error = std::sqrt(state_.vertices[v].quadric.mean_square(edge));
-    // A collapse that breaks the topology may leave nothing near the faces it ends, so their own extent is added.
-    if (!choice.keeps_topology) {
-      moved = longest_edge(std::span(ended_).subspan(first_ended));
-      error = std::max(error, moved);
-    }
     made_.push_back(
         {v, u, first_ended, error, moved, choice.keeps_topology, is_ring, choice.cost, attribute_error, first_corners});
   } else {
+    largest_cost_ = std::max(largest_cost_, choice.cost);
+    largest_error_ = std::max({largest_error_, error, state_.attribute_weight2 > 0.0F ? attribute_error : 0.0F});
     ended_.clear();
     corners_.clear();
   }
@@ -393,13 +396,16 @@ void CollapseWorker::finish() {
   BlockRecord& record = records_[block_->record];
   record.faces_gone = faces_gone_;
   record.last_gone = last_gone_;
+  const float to_object = round_up / state_.scale;
+  record.wedge_merges = wedge_merges_;
   if (!state_.keeps_collapses) {
     record.merges = merges_;
+    record.largest_cost = largest_cost_;
+    record.largest_error = scaled_up(largest_error_, to_object);
     return;
   }
   const CollapseId first = CollapseRecords::first_id(block_->record);
   record.ranks.reserve(made_.size());
-  const float to_object = round_up / state_.scale;
   for (std::size_t i = 0; i < made_.size(); ++i) {
     const Made& made = made_[i];
     const std::span<LevelFace> ended = ended_by(i);
@@ -420,7 +426,6 @@ void CollapseWorker::finish() {
       record.attribute_errors.push_back(scaled_up(made.attribute_error, to_object));
     }
   }
-  record.wedge_merges = wedge_merges_;
 }
 
 // Records corners by the slots of the faces that collapse i ended, which are in their final order.

@@ -100,6 +100,9 @@ struct BlockRecord {
   std::vector<AttributeStar::WedgeMerge> wedge_merges;  // of all collapses, in order, if requested
   std::size_t faces_gone = 0;
   std::size_t last_gone = 0;  // by the last collapse
+  // Where collapses are not wanted: the largest cost of one, and its largest error, object units: quadric error or that
+  // of attributes.
+  float largest_cost = 0.0F, largest_error = 0.0F;
 };
 
 // The ids of a block's collapses ascend from a multiple of block_size; only the last block may have more than
@@ -234,6 +237,7 @@ class CollapseWorker {
   std::vector<float> ring_costs_;
   std::vector<StarFace> folded_;
   std::size_t faces_gone_ = 0, last_gone_ = 0;
+  float largest_cost_ = 0.0F, largest_error_ = 0.0F;    // where collapses are not wanted; in the state's scale
   std::array<Batch, Fan::max_neighbours + 1> batches_;  // by number of corners
   CollapseRecords& records_;
   CollapseMemory memory_;

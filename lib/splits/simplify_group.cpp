@@ -103,11 +103,12 @@ float bound_of(const SimplifyState& state, const Triangle& t) {
 
 // Lists the remaining faces.
 void list_faces(const SimplifyState& state, bool has_seams, GroupWedges& wedges, SimplifiedGroup& result) {
+  const bool has_bounds = state.keeps_collapses;
   std::vector<StarFace> before;  // earlier faces at the same vertex
   VertexId v = no_id;
   for (const LevelFace& face : state.mesh.faces()) {
     result.triangles.push_back(face.corners);
-    result.bounds.push_back(face.made_by == no_id ? 0.0F : bound_of(state, face.corners));
+    if (has_bounds) result.bounds.push_back(face.made_by == no_id ? 0.0F : bound_of(state, face.corners));
     if (!has_seams) continue;
     if (face.corners.x != v) before.clear();
     v = face.corners.x;
@@ -161,7 +162,8 @@ SimplifiedGroup simplify_group(const TriangleMesh& mesh, std::span<const std::ui
                             .locked = locked,
                             .keeps_attributes = has_seams || target.attribute_weight > 0.0,
                             .attribute_weight = target.attribute_weight,
-                            .keeps_wedge_merges = has_seams};
+                            .keeps_wedge_merges = has_seams,
+                            .keeps_collapses = target.keeps_bounds || target.keeps_collapses};
   SimplifyState state(mesh, setup, ProgressPart{progress});
   std::vector<VertexId> all(mesh.vertex_count());
   std::iota(all.begin(), all.end(), 0U);
@@ -178,15 +180,21 @@ SimplifiedGroup simplify_group(const TriangleMesh& mesh, std::span<const std::ui
   SimplifiedGroup result;
   const std::vector<float> errors =
       errors_of(collapses, record, state.attributes != nullptr && target.attribute_weight > 0.0);
+  result.error = record.largest_error;
   for (const float error : errors) result.error = std::max(result.error, error);
   GroupWedges wedges(mesh);
   std::size_t next = 0;
-  for (const Collapse* const collapse : collapses) {
+  const auto add_merge = [&](VertexId v, VertexId u) {
     const std::size_t first = next;
-    while (next < record.wedge_merges.size() && record.wedge_merges[next].v == collapse->v) ++next;
-    wedges.collapse(collapse->v, collapse->u, std::span(record.wedge_merges).subspan(first, next - first));
+    while (next < record.wedge_merges.size() && record.wedge_merges[next].v == v) ++next;
+    wedges.collapse(v, u, std::span(record.wedge_merges).subspan(first, next - first));
+  };
+  for (const auto& [v, u] : record.merges) add_merge(v, u);
+  for (const Collapse* const collapse : collapses) {
+    add_merge(collapse->v, collapse->u);
     result.guaranteed_error = std::max(result.guaranteed_error, collapse->guaranteed_error);
   }
+  result.cost = record.largest_cost;
   for (const float rank : record.ranks) result.cost = std::max(result.cost, rank);
   list_faces(state, has_seams, wedges, result);
   result.merged_into = wedges.final_targets();

@@ -20,6 +20,8 @@ struct GroupTarget {
   std::size_t min_triangles = 0;                       // ends when at most this many are left
   bool keeps_collapses = false;                        // whether SimplifiedGroup::collapses is wanted
   double attribute_weight = 0.0;                       // as in BuildOptions; 0: attributes do not count
+  // Whether guaranteed_error and bounds are wanted. Without them and collapses, simplifying takes a third less time.
+  bool keeps_bounds = true;
 };
 
 // Records that wedge v was merged into u. All wedges of a vertex are merged together, listed one after the other.

@@ -17,7 +17,7 @@ PREAMBLE = """#include <occlod/occlod.h>
 #include <occlod/base.h>
 #include <occlod/gl.h>
 #include <occlod/build_hlod.h>
-#include <occlod/build_hlod.h>
+#include <occlod/clusters.h>
 #include <occlod/node_store.h>
 #include <occlod/scene.h>
 #include <occlod/select.h>

@@ -104,7 +104,7 @@ TEST(JoinCells, TheResultDoesNotDependOnTheThreads) {
 
 TEST(MoveSlivers, ToTheGroupThatSharesMostVertices) {
   // One node with a strip of 64 triangles: two of them in group 1, between 30 in group 0 and 32 in group 2;
-  // node_triangles 96 makes patches of less than 3 slivers. Both neighbours share as many vertices; the larger patch
+  // patches of less than 3 are slivers. Both neighbours share as many vertices; the larger patch
   // wins. Group 1 is empty then, and groups are numbered anew.
   LevelDraft level;
   for (VertexId v = 0; v < 64; ++v) level.triangles.push_back({v, v + 1, v + 2});
@@ -113,7 +113,7 @@ TEST(MoveSlivers, ToTheGroupThatSharesMostVertices) {
   TriangleGroups groups{LargeVector<std::uint32_t>(64, 0), 3};
   std::fill(groups.group_of.begin() + 30, groups.group_of.begin() + 32, 1U);
   std::fill(groups.group_of.begin() + 32, groups.group_of.end(), 2U);
-  move_slivers(level, 96, groups, 1);
+  move_slivers(level, hlod_reduction(96), groups, 1);
   EXPECT_EQ(groups.count, 2U);
   EXPECT_EQ(std::count(groups.group_of.begin(), groups.group_of.end(), 0U), 30);
   EXPECT_EQ(std::count(groups.group_of.begin(), groups.group_of.end(), 1U), 34);

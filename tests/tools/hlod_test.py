@@ -23,6 +23,20 @@ class Hlod(ToolTest):
         self.assertEqual(built["inputs"], ["planet.ply"])
         self.assertGreater(built["stored_triangles"], TRIANGLES)
 
+    def test_clusters_are_built(self):
+        built = self.json_of("hlod", "build", "planet.ply", "-o", "planet.glb", "--clusters", 64)
+        self.assert_has_keys(built, "inputs file triangles levels groups clusters stored_triangles vertices cluster_triangles file_bytes read_ms "
+                                    "build_ms write_ms triangles_per_s peak_bytes report")
+        self.assertEqual((built["triangles"], built["cluster_triangles"]), (TRIANGLES, 64))
+        self.assertTrue(TRIANGLES < built["stored_triangles"] < 2.1 * TRIANGLES)
+        self.assertGreaterEqual(built["clusters"], built["stored_triangles"] / 64)
+        self.assertEqual(built["file_bytes"], (self.folder / "planet.glb").stat().st_size)
+        self.assertEqual(self.json_of("hlod", "build", "planet.glb", "-o", "b.ohlod")["triangles"], TRIANGLES)
+        for wrong, word in ((["--node-triangles", 64], "--node-triangles"), (["--compress", "zstd"], "--clusters"), (["-o", "a.ohlod"], ".glb")):
+            done = self.run_tool("hlod", "build", "planet.ply", "--clusters", 64, *(["-o", "b.glb"] if wrong[0] != "-o" else []), *wrong)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+            self.assertIn(word, done.stderr)
+
     def test_info_agrees_with_build(self):
         built = self.build()
         for options in ([], ["--all"]):

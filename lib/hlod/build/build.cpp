@@ -376,8 +376,8 @@ class Builder {
         threads_(thread_count(options.threads)),
         progress_(options.progress),
         journal_(journal),
-        grouping_(mesh_, options, threads_),
-        simplifier_(mesh_, options, threads_, journal) {}
+        grouping_(mesh_, options.grouping, hlod_reduction(options.node_triangles), threads_),
+        simplifier_(mesh_, options, hlod_reduction(options.node_triangles), threads_, journal) {}
 
   HlodData run() {
     progress_.reach(0.0);

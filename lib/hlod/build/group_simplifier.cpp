@@ -18,10 +18,11 @@ std::array<std::uint32_t, 3> sorted(const Triangle& t) {
 }
 
 SimplifiedGroup simplify(const GroupInput& group, const GroupRules& rules) {
-  return simplify_group(
-      group.mesh, group.locked,
-      {rules.scale, build_weights.boundary, rules.max_cost, group.mesh.triangle_count() / rules.min_share,
-       rules.keeps_splits != 0, build_weights.attributes});
+  const double least = static_cast<double>(rules.least_share) * static_cast<double>(group.mesh.triangle_count());
+  return simplify_group(group.mesh, group.locked,
+                        {rules.scale, build_weights.boundary, rules.max_cost, static_cast<std::size_t>(least),
+                         rules.keeps_splits != 0, build_weights.attributes,
+                         rules.keeps_bounds != 0 || rules.measures != 0});
 }
 
 Box box_of(std::span<const Box> boxes) {
@@ -41,7 +42,7 @@ SimplifiedNode GroupSimplifier::run(const GroupInput& group, const GroupRules& r
   result.error = simplified_.error;
   result.guaranteed_error =
       rules.measures != 0 ? measured_error(group.mesh, simplified_) : simplified_.guaranteed_error;
-  result.box = box_of(group.boxes);
+  if (rules.keeps_bounds != 0) result.box = box_of(group.boxes);
   for (const Triangle& t : simplified_.triangles) result.triangles.push_back(global(t, group.vertices));
   wedges_ = group.wedges;
   for (const AddedWedge& added : simplified_.added) {
@@ -51,8 +52,9 @@ SimplifiedNode GroupSimplifier::run(const GroupInput& group, const GroupRules& r
   if (rules.has_seams != 0)
     for (const Triangle& t : simplified_.corners.empty() ? simplified_.triangles : simplified_.corners)
       result.corners.push_back(global(t, wedges_));
-  list_merges(result);
   list_lost(result);
+  if (rules.keeps_bounds == 0) return result;
+  list_merges(result);
   list_vanished(result);
   if (!simplified_.collapses.empty() && wedges_.size() <= stays && can_replay()) keep_splits(result.within);
   return result;

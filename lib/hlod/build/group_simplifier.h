@@ -30,12 +30,12 @@ struct GroupInput {
 struct GroupRules {
   float max_cost = std::numeric_limits<float>::max();  // as in GroupTarget
   float scale = 1.0F;                                  // likewise
-  std::uint32_t min_share = 4;    // simplification ends when a triangle in so many of the group's is left
+  float least_share = 0.25F;      // simplification ends when this share of the group's triangles is left
   WedgeId first_added = 0;        // id of the first wedge that a group adds
   std::uint8_t has_seams = 0;     // whether results name wedges of corners
   std::uint8_t keeps_splits = 0;  // as Within::splits
   std::uint8_t measures = 0;      // as ErrorBound::measured
-  std::uint8_t reserved = 0;      // always 0
+  std::uint8_t keeps_bounds = 1;  // as Reduction::keeps_bounds
 };
 static_assert(sizeof(GroupRules) == 20);  // no padding, whose bytes nobody has set
 

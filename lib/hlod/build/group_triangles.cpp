@@ -31,8 +31,6 @@ LargeVector<std::uint8_t> shared_vertices(std::span<const Triangle> triangles, s
 
 namespace {
 
-constexpr std::uint32_t reduction = 4;  // triangles of a group per triangle of the node that is made of it
-
 TriangleGroups by_triangle(const Cells& cells, const CellGroups& groups, unsigned threads) {
   TriangleGroups result{LargeVector<std::uint32_t>(cells.order.size()), groups.count};
   for_each_id(cells.leaf_count(), threads, [&](std::uint32_t cell) {
@@ -45,8 +43,9 @@ TriangleGroups by_triangle(const Cells& cells, const CellGroups& groups, unsigne
 
 }  // namespace
 
-TriangleGrouping::TriangleGrouping(const WedgeMesh& mesh, const HlodBuildOptions& options, unsigned threads)
-    : mesh_(mesh), options_(options), threads_(threads), grid_(bounding_box(mesh.positions)) {}
+TriangleGrouping::TriangleGrouping(const WedgeMesh& mesh, Grouping grouping, const Reduction& reduction,
+                                   unsigned threads)
+    : mesh_(mesh), grouping_(grouping), reduction_(reduction), threads_(threads), grid_(bounding_box(mesh.positions)) {}
 
 glm::dvec3 TriangleGrouping::centroid(const Triangle& t) const {
   return (glm::dvec3(mesh_.positions[t.x]) + glm::dvec3(mesh_.positions[t.y]) + glm::dvec3(mesh_.positions[t.z])) / 3.0;
@@ -62,7 +61,7 @@ LargeVector<std::uint64_t> TriangleGrouping::codes_of(std::span<const Triangle> 
 TriangleGroups TriangleGrouping::group(std::span<const std::uint64_t> codes, std::span<const Triangle> triangles,
                                        std::uint32_t max_triangles, std::span<const std::uint32_t> unit_of) const {
   const Cells cells = make_cells(codes, max_triangles, unit_of, threads_);
-  if (options_.grouping == Grouping::nested) return by_triangle(cells, separate_cells(cells), threads_);
+  if (grouping_ == Grouping::nested) return by_triangle(cells, separate_cells(cells), threads_);
   const std::size_t vertices = mesh_.vertex_count();
   TriangleGroups groups = by_triangle(cells, join_cells(cells, triangles, vertices, max_triangles, threads_), threads_);
   grow_stuck_groups(triangles, cells.order, vertices, max_triangles, groups, threads_);
@@ -71,14 +70,14 @@ TriangleGroups TriangleGrouping::group(std::span<const std::uint64_t> codes, std
 
 TriangleGroups TriangleGrouping::group_input() const {
   const auto codes = codes_of(mesh_.triangles, 0);
-  return group(codes, mesh_.triangles, options_.node_triangles, {});
+  return group(codes, mesh_.triangles, reduction_.node_triangles, {});
 }
 
 TriangleGroups TriangleGrouping::group_level(const LevelDraft& below, unsigned level) {
-  if (options_.grouping == Grouping::nested) return group_nodes(below);
+  if (grouping_ == Grouping::nested) return group_nodes(below);
   const auto codes = codes_of(below.triangles, level % 3);
-  TriangleGroups groups = group(codes, below.triangles, reduction * options_.node_triangles, {});
-  move_slivers(below, options_.node_triangles, groups, threads_);
+  TriangleGroups groups = group(codes, below.triangles, reduction_.group_triangles, {});
+  if (below.nodes.size() > 1) move_slivers(below, reduction_, groups, threads_);
   return groups;
 }
 
@@ -93,7 +92,7 @@ TriangleGroups TriangleGrouping::group_nodes(const LevelDraft& below) {
     std::fill_n(codes.begin() + node.first_triangle, node.triangle_count, node_codes_[n]);
     std::fill_n(unit_of.begin() + node.first_triangle, node.triangle_count, n);
   }
-  return group(codes, below.triangles, reduction * options_.node_triangles, unit_of);
+  return group(codes, below.triangles, reduction_.group_triangles, unit_of);
 }
 
 void TriangleGrouping::find_node_codes(const LevelDraft& input) {
@@ -103,7 +102,7 @@ void TriangleGrouping::find_node_codes(const LevelDraft& input) {
 
 // The code of a group is that of its last triangle.
 void TriangleGrouping::finish_level(const LevelDraft& below, const TriangleGroups& groups) {
-  if (options_.grouping != Grouping::nested) return;
+  if (grouping_ != Grouping::nested) return;
   if (node_codes_.empty()) find_node_codes(below);
   std::vector<std::uint64_t> codes_above(groups.count);
   for (std::uint32_t n = 0; n < below.nodes.size(); ++n) {
@@ -229,11 +228,7 @@ void grow_stuck_groups(std::span<const Triangle> triangles, std::span<const std:
 
 namespace {
 
-constexpr std::uint32_t smallest_share = 32;  // smaller patches, as a share of node_triangles, move
-constexpr int max_moves = 20;                 // per node, because soups may consist of slivers
-// As a multiple of node_triangles. A group of this many triangles has at most three times as many vertices, which 16
-// bits can number.
-constexpr std::uint32_t largest_group = 5;
+constexpr int max_moves = 20;  // per node, because soups may consist of slivers
 
 using Group = std::uint32_t;
 
@@ -309,7 +304,7 @@ void drop_empty_groups(std::span<const std::uint32_t> size, TriangleGroups& grou
 
 }  // namespace
 
-void move_slivers(const LevelDraft& level, std::uint32_t node_triangles, TriangleGroups& groups, unsigned threads) {
+void move_slivers(const LevelDraft& level, const Reduction& reduction, TriangleGroups& groups, unsigned threads) {
   LargeVector<Group> moved(groups.group_of.size());  // new groups of all triangles of nodes with slivers
   std::vector<char> has_moved(level.nodes.size(), 0);
   for_each_task(
@@ -318,14 +313,14 @@ void move_slivers(const LevelDraft& level, std::uint32_t node_triangles, Triangl
         const NodeDraft& node = level.nodes[n];
         NodePatches patches(level.triangles_of(node),
                             std::span(groups.group_of).subspan(node.first_triangle, node.triangle_count));
-        if (!patches.move(node_triangles / smallest_share)) return;
+        if (!patches.move(reduction.smallest_patch)) return;
         has_moved[n] = 1;
         std::ranges::copy(patches.group_of(), moved.begin() + node.first_triangle);
       },
       [] {});
   std::vector<std::uint32_t> size(groups.count, 0);
   for_each_id(groups.group_of.size(), 1, [&](std::uint32_t t) { ++size[groups.group_of[t]]; });
-  const std::uint32_t most = largest_group * node_triangles;
+  const std::uint32_t most = reduction.largest_group;
   bool any = false;
   for (std::size_t n = 0; n < has_moved.size(); ++n) {
     make_room();

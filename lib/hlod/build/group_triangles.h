@@ -9,7 +9,7 @@
 #include "base/memory.h"
 #include "hlod/build/cells.h"
 #include "hlod/build/level_draft.h"
-#include "occlod/build_hlod.h"
+#include "occlod/hlod.h"
 #include "occlod/mesh.h"
 
 namespace occlod::hlod {
@@ -28,12 +28,12 @@ struct TriangleGroups {
 
 class TriangleGrouping {
  public:
-  TriangleGrouping(const WedgeMesh& mesh, const HlodBuildOptions& options, unsigned threads);
+  TriangleGrouping(const WedgeMesh& mesh, Grouping grouping, const Reduction& reduction, unsigned threads);
 
-  // Groups the input into groups of at most node_triangles.
+  // Groups the input into groups of at most Reduction::node_triangles.
   [[nodiscard]] TriangleGroups group_input() const;
-  // Groups the triangles of `below`, the level below `level`, into groups about four times as large. Nested grouping
-  // divides no node.
+  // Groups the triangles of `below`, the level below `level`, into groups of about Reduction::group_triangles. Nested
+  // grouping divides no node.
   [[nodiscard]] TriangleGroups group_level(const LevelDraft& below, unsigned level);
   // Must be called after each level with its groups, whether they come from group_level() or from an earlier build.
   void finish_level(const LevelDraft& below, const TriangleGroups& groups);
@@ -47,7 +47,8 @@ class TriangleGrouping {
   void find_node_codes(const LevelDraft& input);
 
   const WedgeMesh& mesh_;
-  const HlodBuildOptions& options_;
+  Grouping grouping_;
+  Reduction reduction_;
   unsigned threads_;
   OctreeGrid grid_;
   // With nested groups, holds the code of a point in the cell of each node of the last level.
@@ -64,9 +65,9 @@ void grow_stuck_groups(std::span<const Triangle> triangles, std::span<const std:
                        std::size_t vertex_count, std::uint32_t max_triangles, TriangleGroups& groups, unsigned threads);
 
 // Avoids patches that are too small to be worth a draw call. A patch is the set of a node's triangles in one group. A
-// patch of fewer than node_triangles / 32 triangles moves to the group of the same node that shares most vertices with
-// it, unless that makes the group too large for 16-bit indices. Any assignment of triangles to groups is legal. The
-// result does not depend on the number of threads. O(n log n) within each node.
-void move_slivers(const LevelDraft& level, std::uint32_t node_triangles, TriangleGroups& groups, unsigned threads);
+// patch of fewer than Reduction::smallest_patch triangles moves to the group of the same node that shares most vertices
+// with it, unless that makes the group larger than Reduction::largest_group. Any assignment of triangles to groups is
+// legal. The result does not depend on the number of threads. O(n log n) within each node.
+void move_slivers(const LevelDraft& level, const Reduction& reduction, TriangleGroups& groups, unsigned threads);
 
 }  // namespace occlod::hlod

@@ -26,6 +26,27 @@ struct BuildWeights {
 };
 inline constexpr BuildWeights build_weights;
 
+// How many triangles are grouped and how many of them are left.
+struct Reduction {
+  std::uint32_t node_triangles = 2000;   // the most of a node of level 0
+  std::uint32_t group_triangles = 8000;  // the most of a group that becomes a node of a coarser level
+  double wanted_share = 0.25;            // of its triangles, that is left of a group
+  double least_share = 0.125;            // of its triangles, that is kept where they are cheap to remove
+  std::uint32_t sampled_groups = 32;     // of a level, from which the cost is taken at which its groups stop
+  std::uint32_t smallest_patch = 62;     // smaller ones move to a neighbour
+  std::uint32_t largest_group = 10'000;  // that has taken such patches in
+  bool keeps_bounds = true;              // whether boxes, guaranteed errors and merges of nodes are wanted
+};
+
+// Returns what nodes of an HLOD are made with. Its largest groups have at most three times as many vertices as
+// triangles, which 16 bits can number.
+[[nodiscard]] constexpr Reduction hlod_reduction(std::uint32_t node_triangles) {
+  return {.node_triangles = node_triangles,
+          .group_triangles = 4 * node_triangles,
+          .smallest_patch = node_triangles / 32,
+          .largest_group = 5 * node_triangles};
+}
+
 // Numbers the distinct vertices of a small mesh in the order in which they are met. The hash table uses open addressing
 // and, when reused, allocates only to grow.
 class LocalIds {

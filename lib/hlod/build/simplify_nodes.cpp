@@ -24,9 +24,6 @@
 namespace occlod::hlod {
 namespace {
 
-constexpr std::size_t wanted_share = 4;    // target: a quarter of its input's triangles
-constexpr std::size_t smallest_share = 8;  // minimum: an eighth
-constexpr std::uint32_t sampled_groups = 32;
 constexpr std::uint32_t groups_at_once = 512;  // groups whose results are in memory at a time
 // Levels of more groups than are sampled anyway are shared by processes: in about so many parts, of so many groups at
 // most.
@@ -121,10 +118,11 @@ class NodeSimplifier::Gatherer {
   LocalIds seam_wedges_;  // in the order in which they are met
 };
 
-NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options, unsigned threads,
-                               BuildJournal* journal)
+NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options, const Reduction& reduction,
+                               unsigned threads, BuildJournal* journal)
     : mesh_(mesh),
       options_(options),
+      reduction_(reduction),
       threads_(threads),
       journal_(journal),
       scale_(power_of_two_scale(mesh_.positions)),
@@ -156,25 +154,26 @@ void NodeSimplifier::simplify(const LevelDraft& below, std::uint32_t first_group
   list_members(below, group_count);
   if (options_.borders == Borders::locked) lock(below, group_count);
   const GroupRules rules = rules_of(below, group_count);
-  if (!options_.parts.folder.empty() && group_count > sampled_groups)
+  if (!options_.parts.folder.empty() && group_count > reduction_.sampled_groups)
     simplify_elsewhere(below, rules, first_group, group_count, level, progress);
   else
     simplify_here(below, rules, first_group, group_count, level, progress);
 }
 
-// A single node is simplified to a quarter. Several all stop at one cost: if each were forced to a quarter, those with
+// A single node is simplified to the wanted share. Several all stop at one cost: if each were forced to it, those with
 // many locked vertices would have errors many times the others', which every coarser node inherits.
 GroupRules NodeSimplifier::rules_of(const LevelDraft& below, std::uint32_t group_count) const {
   GroupRules rules;
   rules.scale = scale_;
-  rules.min_share = wanted_share;
+  rules.least_share = static_cast<float>(reduction_.wanted_share);
   rules.first_added = static_cast<WedgeId>(mesh_.wedge_count());
   rules.has_seams = mesh_.has_seams() ? 1 : 0;
   rules.keeps_splits = options_.within == Within::splits ? 1 : 0;
   rules.measures = options_.error_bound == ErrorBound::measured ? 1 : 0;
+  rules.keeps_bounds = reduction_.keeps_bounds ? 1 : 0;
   if (group_count == 1) return rules;
   rules.max_cost = common_cost(below, group_count, rules);
-  rules.min_share = smallest_share;
+  rules.least_share = static_cast<float>(reduction_.least_share);
   return rules;
 }
 
@@ -283,10 +282,10 @@ std::span<const std::uint32_t> NodeSimplifier::members(std::uint32_t group) cons
                                                           first_member_[group + 1] - first_member_[group]);
 }
 
-// Returns the cost at which a quarter is left: the median over groups, weighted by size. Where there are many groups,
-// only every `step`-th is sampled.
+// Returns the cost at which the wanted share is left: the median over groups, weighted by size. Where there are many
+// groups, only every `step`-th is sampled.
 float NodeSimplifier::common_cost(const LevelDraft& below, std::uint32_t group_count, const GroupRules& rules) const {
-  const std::uint32_t step = std::max(1U, group_count / sampled_groups);
+  const std::uint32_t step = std::max(1U, group_count / reduction_.sampled_groups);
   const std::uint32_t samples = (group_count + step - 1) / step;
   std::vector<std::pair<float, std::size_t>> costs(samples);
   for_each_task(

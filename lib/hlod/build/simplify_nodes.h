@@ -20,7 +20,8 @@ namespace occlod::hlod {
 class NodeSimplifier {
  public:
   // The references must outlive the simplifier. `journal` may be null.
-  NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options, unsigned threads, BuildJournal* journal);
+  NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options, const Reduction& reduction, unsigned threads,
+                 BuildJournal* journal);
 
   // Returns the level above `below`, whose parent_of is set to `groups`. Takes nodes from the journal as far as it
   // goes, and then simplifies the remaining groups. Adds wedges to the mesh. `progress` counts triangles of `below`.
@@ -48,6 +49,7 @@ class NodeSimplifier {
 
   WedgeMesh& mesh_;
   const HlodBuildOptions& options_;
+  Reduction reduction_;
   unsigned threads_;
   BuildJournal* journal_;
   float scale_;
