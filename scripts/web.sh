@@ -30,7 +30,9 @@ npm pack --silent --pack-destination build/npm "./$package" >/dev/null
 three=build/web/three
 rm -rf "$three"
 mkdir -p "$three"
-cp packaging/npm/three/* LICENSE "$three"
+cp packaging/npm/three/*.{js,ts,json,md} LICENSE "$three"
+cp -r build/web/three_wasm "$three/wasm"
+cp -r "$package/licences" "$three"
 npm pack --silent --pack-destination build/npm "./$three" >/dev/null
 cp web/* build/npm/page
 cp -r "$package"/{index.js,wasm,licences,LICENSE} build/npm/page/occlod
