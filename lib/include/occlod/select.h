@@ -26,6 +26,9 @@ struct SelectOptions {
   // only what is outside the frustum.
   bool occlusion = true;
   bool geomorph = false;  // fills DrawRange::morph: see TraverseOptions::geomorph
+  // What would be seen if everything moved by so many pixels is not hidden either, >= 0: for renderers that draw a
+  // selection some frames after it was asked for. Such renderers also give a view that is wider by as many.
+  double slack_px = 0.0;
 
   friend bool operator==(const SelectOptions&, const SelectOptions&) = default;
 };
