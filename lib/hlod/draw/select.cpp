@@ -122,6 +122,7 @@ class Selector::Impl {
     selection_.largest_error_px = frame.stats.largest_sse_px;
     selection_.hidden = frame.stats.hidden_nodes;
     selection_.missing = frame.stats.missing;
+    selection_.front_hash = frame.front_hash;
   }
 
   Traverser traverser_;

@@ -532,9 +532,13 @@ EMSCRIPTEN_KEEPALIVE bool occlod_select(HlodState* state, double tolerance_px, s
     }
     numbers = {static_cast<double>(selection.triangles), selection.tolerance_px, selection.largest_error_px,
                static_cast<double>(selection.hidden), static_cast<double>(selection.missing)};
+    text = fmt::format("{:016x}", selection.front_hash);
     return true;
   });
 }
+
+// Of the last selection: Selection::front_hash as 16 hexadecimal digits, until another text is asked for.
+EMSCRIPTEN_KEEPALIVE const char* occlod_front_hash() { return text.c_str(); }
 
 // Of the last selection, for each node: its number, that of its ranges, and for each of them first index, number of
 // indices, and the bits of the float DrawRange::morph.

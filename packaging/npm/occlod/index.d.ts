@@ -189,6 +189,8 @@ export interface SelectStats {
   hidden: number;
   /** Nodes whose meshes have not come, so that coarser ones are selected. */
   missing: number;
+  /** Equal when the same triangles are selected; without occlusion that of the C++ library. */
+  hash: string;
 }
 
 export interface SelectedNode {

@@ -421,7 +421,7 @@ export class Hlod {
     setCamera(camera);
     checked(library()._occlod_select(this.#pointer, tolerancePx, budget, occlusion, geomorph, slackPx));
     const [triangles, tolerance, largestErrorPx, hidden, missing] = numbers();
-    return { triangles, tolerancePx: tolerance, largestErrorPx, hidden, missing };
+    return { triangles, tolerancePx: tolerance, largestErrorPx, hidden, missing, hash: text(library()._occlod_front_hash()) };
   }
 
   get selected() {

@@ -39,6 +39,8 @@ export interface OhlodStats {
   largestErrorPx: number;
   /** Nodes that were left out because they are hidden. */
   hidden: number;
+  /** Equal when the same triangles are drawn; without occlusion that of the C++ library. */
+  hash: string;
   /** Nodes that have not come, so that coarser ones are drawn. */
   missing: number;
   /** Nodes that never come: damaged in the file, or refused by the server. */

@@ -68,6 +68,7 @@ export class Ohlod extends Group {
       tolerancePx: stats?.tolerancePx ?? 0,
       largestErrorPx: stats?.largestErrorPx ?? 0,
       hidden: stats?.hidden ?? 0,
+      hash: stats?.hash ?? "",
       missing: stats?.missing ?? 0,
       failed: store?.failed ?? 0,
       memoryBytes: workerBytes + this.#bytes,
@@ -170,8 +171,7 @@ export class Ohlod extends Group {
   #show(selection) {
     ++this.#frame;
     this.#asking = false;
-    const words = (nodes) => nodes.map(({ node, ranges }) => [node, ...ranges.map((range) => [range.first, range.count, range.morph])]).join();
-    const before = this.#last && words(this.#last.nodes);
+    const before = this.#last?.stats.hash;
     const { meshes, ...last } = selection;
     this.#last = last;
     for (const { mesh } of this.#meshes.values()) mesh.visible = false;
@@ -183,7 +183,7 @@ export class Ohlod extends Group {
     for (const mesh of meshes) this.#hold(mesh);
     for (const node of last.nodes) this.#draw(node);
     for (const message of last.failures) this.dispatchEvent({ type: "failure", message });
-    this.#isStill = last.stats.missing > 0 || before === words(last.nodes);
+    this.#isStill = last.stats.missing > 0 || before === last.stats.hash;
     if (this.#isSettled()) this.#tellWaiting();
   }
 
