@@ -3,9 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 
 namespace occlod {
+
+class InputFile;
 
 class ByteSource {
  public:
@@ -20,5 +23,8 @@ class ByteSource {
   // they are not all there.
   virtual void read(std::span<const std::span<std::byte>> parts, std::uint64_t offset) const = 0;
 };
+
+// Returns the bytes of an open file.
+[[nodiscard]] std::shared_ptr<const ByteSource> byte_source_of(std::shared_ptr<const InputFile> file);
 
 }  // namespace occlod

@@ -47,7 +47,7 @@ MappedFile::~MappedFile() {
 LargeVector<std::byte> read_whole(const std::filesystem::path& path) {
   return with_path(path, [](const char* name) {
     const InputFile file(name);
-    LargeVector<std::byte> bytes(static_cast<std::size_t>(file.size()));
+    LargeVector<std::byte> bytes(file.size());
     file.read(bytes);
     return bytes;
   });

@@ -6,8 +6,6 @@
 #include <cstdint>
 #include <span>
 
-#include "base/byte_source.h"
-
 namespace occlod {
 
 // Hints that the cache line at `address` will soon be read or written.
@@ -74,17 +72,19 @@ struct ResidentMemory {
 [[nodiscard]] bool is_mount_point(const char* folder) noexcept;
 
 // A regular file, open for reading. Failures throw std::system_error with the system's reason.
-class InputFile final : public ByteSource {
+class InputFile {
  public:
   explicit InputFile(const char* path);
-  ~InputFile() override;
+  ~InputFile();
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
 
-  [[nodiscard]] std::uint64_t size() const noexcept override { return size_; }
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
   // Reads from `offset` until `bytes` is full; fails when the file ends earlier. Any thread may call it.
   void read(std::span<std::byte> bytes, std::uint64_t offset = 0) const;
   // Reads consecutive bytes from `offset` on into several arrays, one after the other, in few system calls. Any thread
   // may call it.
-  void read(std::span<const std::span<std::byte>> parts, std::uint64_t offset) const override;
+  void read(std::span<const std::span<std::byte>> parts, std::uint64_t offset) const;
   // Maps the whole file, which has at least one byte, without reading it. The mapping outlives this object; end it with
   // unmap().
   [[nodiscard]] std::span<const std::byte> map() const;

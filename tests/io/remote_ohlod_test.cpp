@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -60,7 +60,7 @@ class RemoteOhlodTest : public ::testing::TestWithParam<OlodCompression> {
   }
   static void frame(const Hlod& hlod, std::span<const NodeId> wanted = {}) {
     hlod.store()->begin_frame();
-    if (!wanted.empty()) hlod.store()->want(wanted, 1.0);
+    for (const NodeId n : wanted) hlod.store()->want({&n, 1}, 1.0);
     hlod.store()->end_frame();
   }
   // Frames in which all nodes are wanted, and each request is answered by `answer`, until no more come.
@@ -206,8 +206,6 @@ TEST_P(RemoteOhlodTest, WhatIsNoLongerWantedIsCancelled) {
 }
 
 TEST_P(RemoteOhlodTest, KeepsItsBudget) {
-  std::size_t most = 0;
-  for (const Node& node : built_.data().nodes) most = std::max<std::size_t>(most, node.triangles);
   RemoteOhlod remote("far.ohlod", content_.size());
   const std::size_t budget = built_.data().meshes.size() / 3;
   open(remote, budget);

@@ -446,7 +446,7 @@ OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access) {
 }
 
 OhlodFile open_ohlod(const std::filesystem::path& path, const hlod::CacheOptions& cache) {
-  return ohlod::open_ohlod(open_file(path), path, cache);
+  return ohlod::open_ohlod(byte_source_of(open_file(path)), path, cache);
 }
 
 OhlodFile ohlod::open_ohlod(std::shared_ptr<const ByteSource> file, const std::filesystem::path& name,
