@@ -52,6 +52,8 @@ class Selector::Impl {
 
   const Selection& select(const View& view, const SelectOptions& options) {
     OptionChecker("selection options").at_least("tolerance_px", options.tolerance_px, 0.0);
+    OptionChecker("selection options").at_least("slack_px", options.slack_px, 0.0);
+    software_.set_slack(options.slack_px);
     if (options.budget == 0)
       tell(traverse(view, options, options.tolerance_px), options.tolerance_px);
     else
@@ -120,6 +122,7 @@ class Selector::Impl {
     selection_.largest_error_px = frame.stats.largest_sse_px;
     selection_.hidden = frame.stats.hidden_nodes;
     selection_.missing = frame.stats.missing;
+    selection_.front_hash = frame.front_hash;
   }
 
   Traverser traverser_;
