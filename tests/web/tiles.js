@@ -22,7 +22,8 @@ class Drawn {
   constructor(url, plugin, cameras, settings) {
     this.tiles = Object.assign(new TilesRenderer(url), { errorTarget: 2, ...settings });
     this.tiles.lruCache = Object.assign(new LRUCache(), { maxSize: 1e6, minSize: 1e6, minBytesSize: 4e9, maxBytesSize: 4e9, unloadPriorityCallback: this.tiles.lruCache.unloadPriorityCallback });
-    this.loaded = new Set();
+    this.loaded = new Map(); // tiles, and how many were before each
+    this.everVisible = new Set();
     this.failed = 0;
     this.bytes = 0;
     for (const camera of cameras) {
@@ -30,9 +31,10 @@ class Drawn {
       this.tiles.setResolution(camera, innerWidth, innerHeight);
     }
     this.tiles.addEventListener("load-model", ({ tile, scene }) => {
-      this.loaded.add(tile);
+      this.loaded.set(tile, this.loaded.size);
       paint(scene, tile.content.uri);
     });
+    this.tiles.addEventListener("tile-visibility-change", ({ tile, visible }) => visible && this.everVisible.add(tile));
     this.tiles.addEventListener("load-error", () => (this.failed += 1));
     if (plugin) this.tiles.registerPlugin((this.plugin = plugin));
     this.scene = new three.Scene();
@@ -56,9 +58,19 @@ class Drawn {
     context.readPixels(0, 0, context.drawingBufferWidth, context.drawingBufferHeight, context.RGBA, context.UNSIGNED_BYTE, new Uint8Array(pixels.buffer));
     return pixels;
   }
+  // The picture with tiles that are loaded, but hidden or out of sight.
+  pictureOfAll(camera) {
+    const { activeTiles, visibleTiles, group } = this.tiles;
+    const more = [...activeTiles].filter((tile) => !visibleTiles.has(tile)).map(({ engineData }) => engineData.scene);
+    group.add(...more);
+    const pixels = this.picture(camera);
+    group.remove(...more);
+    for (const scene of more) scene.parent = group; // as the renderer leaves them
+    return pixels;
+  }
   get counts() {
     const { stats, visibleTiles } = this.tiles;
-    return { drawn: visibleTiles.size, triangles: this.triangles, loaded: this.loaded.size, failed: this.failed, stats: this.plugin && { ...this.plugin.stats } };
+    return { drawn: visibleTiles.size, triangles: this.triangles, loaded: this.loaded.size, seen: this.everVisible.size, complete: 1 + Math.max(...[...visibleTiles].map((tile) => this.loaded.get(tile))), failed: this.failed, stats: this.plugin && { ...this.plugin.stats } };
   }
 }
 
@@ -78,6 +90,12 @@ function place(camera, at) {
   camera.updateMatrixWorld();
 }
 
+function differing(a, b) {
+  let count = 0;
+  for (let i = 0; i < a.length; ++i) count += a[i] !== b[i];
+  return count;
+}
+
 const frame = () => new Promise(requestAnimationFrame);
 
 class Comparison {
@@ -88,18 +106,14 @@ class Comparison {
     this.culled = new Drawn(url, culling, this.cameras, settings);
   }
 
-  // Updates both once and compares what the first camera sees.
+  // Updates both once and compares what the first camera sees; `late`: pixels of the plugin's own picture that tiles which
+  // it hides would change.
   step(...places) {
     places.forEach((at, i) => place(this.cameras[i], at));
     for (const drawn of [this.all, this.culled]) drawn.update();
-    const [all, culled] = [this.all, this.culled].map((drawn) => drawn.picture(this.cameras[0]));
-    const empty = new Uint32Array(new Uint8Array([255, 0, 255, 255]).buffer)[0];
-    let different = 0, holes = 0;
-    for (let i = 0; i < all.length; ++i) {
-      different += all[i] !== culled[i];
-      holes += culled[i] === empty && all[i] !== empty;
-    }
-    return { different, holes, all: this.all.counts, culled: this.culled.counts };
+    const late = differing(this.culled.pictureOfAll(this.cameras[0]), this.culled.picture(this.cameras[0]));
+    const different = differing(this.all.picture(this.cameras[0]), this.culled.picture(this.cameras[0]));
+    return { different, late, all: this.all.counts, culled: this.culled.counts };
   }
 
   // The same once everything is loaded. Both have then been asked about this view alone.

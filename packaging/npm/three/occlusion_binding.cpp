@@ -3,6 +3,8 @@
 // why.
 #include <emscripten.h>
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -13,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "occlod/item_buffer.h"
 #include "occlod/mesh.h"
 #include "occlod/view.h"
 #include "occlod/visibility.h"
@@ -29,12 +32,14 @@ struct OccluderMesh {
   Side side = Side::both;
 };
 
-// What one camera sees. Object 0 is the world, in which bounds are asked; the others are occluders.
+// What one camera sees. The object of its views is the world, in which bounds are asked.
 struct Sight {
   std::unique_ptr<SoftwareOcclusion> software = make_software_occlusion();
-  std::vector<ObjectView> objects;
-  std::vector<Triangle> shown;  // those of all occluders that show a side that is drawn
+  DepthBuffer depth;
 };
+
+std::vector<Triangle> shown;  // of one occluder
+std::vector<float> rows;      // of one depth image
 
 std::string failure;
 std::vector<double> numbers;
@@ -46,46 +51,61 @@ View view_of_numbers() {
                  static_cast<ClipDepth>(static_cast<int>(n[34])));
 }
 
-// Appends the triangles of which the eye surely sees a side that is drawn. A triangle that is left out hides nothing, so
+// Returns the triangles of which the eye surely sees a side that is drawn. A triangle that is left out hides nothing, so
 // rounding is on the safe side.
-void append_shown(const OccluderMesh& mesh, const glm::vec3& eye, std::vector<Triangle>& shown) {
-  if (mesh.side == Side::both) {
-    shown.insert(shown.end(), mesh.triangles.begin(), mesh.triangles.end());
-    return;
-  }
+std::span<const Triangle> find_shown(const OccluderMesh& mesh, const glm::vec3& eye) {
+  if (mesh.side == Side::both) return mesh.triangles;
   const float sign = mesh.side == Side::front ? 1.0F : -1.0F;
-  std::size_t count = shown.size();
-  shown.resize(count + mesh.triangles.size());
+  std::size_t count = 0;
+  shown.resize(mesh.triangles.size());
   for (const Triangle& t : mesh.triangles) {
     const glm::vec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
     shown[count] = t;
     count += sign * glm::dot(glm::cross(b - a, c - a), eye - a) > 0.0F ? 1 : 0;
   }
-  shown.resize(count);
+  return std::span(shown).first(count);
 }
 
-// Draws the occluders of a view; numbers: of the camera, then of each occluder its mesh and its transform.
-void draw(Sight& sight, std::size_t count) {
+// Gives each pixel the farthest depth of 3x3 pixels: a GPU rounds corners otherwise and may take several samples, so near
+// an outline it may show what is behind. O(pixels).
+void widen_gaps(DepthBuffer& depth) {
+  const auto width = static_cast<std::size_t>(depth.width), height = static_cast<std::size_t>(depth.height);
+  rows.resize(depth.nearness.size());
+  for (std::size_t y = 0; y < height; ++y) {
+    const float* from = depth.nearness.data() + y * width;
+    float* to = rows.data() + y * width;
+    to[0] = from[0];
+    to[width - 1] = from[width - 1];
+    for (std::size_t x = 1; x + 1 < width; ++x) to[x] = std::min(std::min(from[x - 1], from[x]), from[x + 1]);
+  }
+  for (std::size_t y = 0; y < height; ++y) {
+    const float* above = rows.data() + (y == 0 ? y : y - 1) * width;
+    const float* here = rows.data() + y * width;
+    const float* below = rows.data() + (y + 1 == height ? y : y + 1) * width;
+    float* to = depth.nearness.data() + y * width;
+    for (std::size_t x = 0; x < width; ++x) to[x] = std::min(std::min(above[x], here[x]), below[x]);
+  }
+}
+
+// Draws the occluders of a view; numbers: of the camera, then of each occluder its mesh and its transform. Returns how many
+// triangles were drawn.
+std::size_t draw(Sight& sight, std::size_t count) {
   const View view = view_of_numbers();
-  sight.objects.clear();
-  sight.shown.clear();
-  sight.objects.emplace_back(view, glm::dmat4(1.0));
-  std::vector<OccluderPart> parts;
-  std::vector<std::size_t> ends;
+  sight.depth.reset(view.width(), view.height());
+  std::size_t drawn = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double* n = numbers.data() + camera_numbers + i * part_numbers;
     const auto& mesh = *reinterpret_cast<const OccluderMesh*>(static_cast<std::uintptr_t>(n[0]));
-    const ObjectView& object = sight.objects.emplace_back(view, glm::make_mat4(n + 1));
-    append_shown(mesh, object.eye(), sight.shown);
-    parts.push_back({static_cast<std::uint32_t>(i + 1), mesh.positions, {}});
-    ends.push_back(sight.shown.size());
+    const ObjectView object(view, glm::make_mat4(n + 1));
+    const auto triangles = find_shown(mesh, object.eye());
+    draw_depth(sight.depth, mesh.positions, triangles, object.object_to_clip());
+    drawn += triangles.size();
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t begin = i == 0 ? 0 : ends[i - 1];
-    parts[i].triangles = std::span(sight.shown).subspan(begin, ends[i] - begin);
-  }
-  sight.software->begin_view(view, sight.objects);
-  sight.software->draw_occluder(parts);
+  widen_gaps(sight.depth);
+  const ObjectView world(view, glm::dmat4(1.0));
+  sight.software->show(sight.depth, view, std::span(&world, 1));
+  sight.software->begin_view(view, std::span(&world, 1));
+  return drawn;
 }
 
 bool is_visible(Sight& sight, const VisibilityQuery& query) {
@@ -131,8 +151,7 @@ EMSCRIPTEN_KEEPALIVE void occlusion_free(Sight* sight) { delete sight; }
 // Returns the number of triangles drawn and 1 more, or 0 after a failure.
 EMSCRIPTEN_KEEPALIVE std::size_t occlusion_draw(Sight* sight, std::size_t parts) {
   try {
-    draw(*sight, parts);
-    return sight->shown.size() + 1;
+    return draw(*sight, parts) + 1;
   } catch (const std::exception& error) {
     failure = error.what();
     return 0;

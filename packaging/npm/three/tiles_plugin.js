@@ -1,20 +1,23 @@
 // A plugin of 3DTilesRendererJS that culls what is hidden. Before each update the tiles that were drawn last are rasterised
 // for the camera as it is now; a tile whose bounding volume is behind them at every pixel is neither drawn nor refined, and
 // what is missing of it is loaded last.
-import { Matrix4, Vector2, Vector3, WebGPUCoordinateSystem } from "three";
+import { DoubleSide, Matrix4, Sphere, Vector2, Vector3, WebGPUCoordinateSystem } from "three";
 import { Sight, addMesh, freeMesh, loadOcclusion } from "./occlusion.js";
 
 const matrix = new Matrix4();
 const worldToEye = new Matrix4();
 const eye = new Vector3();
 const point = new Vector3();
-const axes = [new Vector3(), new Vector3(), new Vector3()];
 const resolution = new Vector2();
+const ball = new Sphere();
 const corners = new Float64Array(24);
 
 // Bounds are asked as if they were nearer by this share of their distance, so that a tile does not hide itself where its
 // content is a little outside of its bounding volume, and depth buffers of 24 bits agree.
 const nearer = 1 - 1 / 1024;
+
+// Occluders are drawn until there are so many triangles towards the eye: those first that cover most with fewest.
+const enoughTriangles = 16384;
 
 // Whether all that a material covers is hidden behind it.
 const isOpaque = (material) =>
@@ -48,6 +51,10 @@ class Occluder {
   get toGroup() {
     return this.#toGroup;
   }
+  get triangles() {
+    const { geometry, material } = this.#mesh;
+    return (geometry.index ?? geometry.attributes.position).count / ([material].flat()[0].side === DoubleSide ? 3 : 6); // which face the eye
+  }
 
   get copy() {
     const { geometry, material } = this.#mesh;
@@ -75,6 +82,15 @@ class Occluder {
   }
 }
 
+// Those of a tile, with transforms to the group of all tiles.
+function occludersIn(object, toParent = new Matrix4()) {
+  if (!object) return [];
+  object.updateMatrix();
+  const toGroup = toParent.clone().multiply(object.matrix);
+  const own = isRigid(object) ? [new Occluder(object, toGroup)] : [];
+  return own.concat(...object.children.map((child) => occludersIn(child, toGroup)));
+}
+
 // The matrices of a camera and the size of its picture, as Sight.draw() takes them, in a world whose origin is the eye.
 function cameraNumbers(camera, { width, height }) {
   worldToEye.copy(camera.matrixWorldInverse).multiply(matrix.makeTranslation(eye.setFromMatrixPosition(camera.matrixWorld)));
@@ -89,6 +105,65 @@ function cameraNumbers(camera, { width, height }) {
   return [...worldToEye.elements, ...clip, ...pixels, camera.reversedDepth ? 2 : camera.coordinateSystem === WebGPUCoordinateSystem ? 1 : 0];
 }
 
+// What one camera sees of all tiles that are drawn, and of those alone that stay.
+class Look {
+  #sights = { all: new Sight(), final: new Sight() };
+  #camera = [];
+  #toWorld = new Matrix4();
+  #isOrthographic = false;
+  #works = true;
+
+  from(camera, tiles) {
+    this.#camera = cameraNumbers(camera, tiles.getResolution(camera, resolution));
+    this.#isOrthographic = camera.projectionMatrix.elements[15] === 1;
+    this.#toWorld.copy(tiles.group.matrixWorld).premultiply(matrix.makeTranslation(-eye.x, -eye.y, -eye.z));
+  }
+
+  // Returns how many triangles were drawn.
+  draw(which, occluders) {
+    const numbers = new Float64Array(35 + 17 * occluders.length);
+    numbers.set(this.#camera);
+    occluders.forEach((occluder, i) => {
+      numbers[35 + 17 * i] = occluder.copy;
+      numbers.set(matrix.multiplyMatrices(this.#toWorld, occluder.toGroup).elements, 36 + 17 * i);
+    });
+    try {
+      const count = this.#sights[which].draw(numbers);
+      this.#works = true;
+      return count;
+    } catch (problem) {
+      if (this.#works) console.warn(`TilesOcclusionPlugin: nothing is culled: ${problem.message}`);
+      this.#works = false;
+      return 0;
+    }
+  }
+
+  hides(which, { sphere, obb, regionObb }) {
+    if (!this.#works) return false;
+    const box = obb ?? regionObb;
+    return Boolean((sphere && !this.#showsSphere(this.#sights[which], sphere)) || (box && !this.#showsBox(this.#sights[which], box)));
+  }
+
+  #showsBox(sight, { box, transform }) {
+    matrix.multiplyMatrices(this.#toWorld, transform);
+    for (let i = 0; i < 8; ++i) {
+      point.set(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z).applyMatrix4(matrix);
+      point.multiplyScalar(this.#isOrthographic ? 1 : nearer).toArray(corners, 3 * i);
+    }
+    return sight.showsHull(corners);
+  }
+
+  #showsSphere(sight, { center, radius }) {
+    const share = this.#isOrthographic ? 1 : nearer;
+    point.copy(center).applyMatrix4(this.#toWorld).multiplyScalar(share);
+    return sight.showsSphere(...point, radius * this.#toWorld.getMaxScaleOnAxis() * share);
+  }
+
+  dispose() {
+    for (const sight of Object.values(this.#sights)) sight.dispose();
+  }
+}
+
 export class TilesOcclusionPlugin {
   name = "OCCLOD_OCCLUSION_PLUGIN";
   enabled = true;
@@ -98,9 +173,10 @@ export class TilesOcclusionPlugin {
   #tiles;
   #ready = false;
   #changed = false;
-  #sights = new Map(); // by camera
+  #looks = new Map(); // by camera
   #occluders = new Map(); // by tile
-  #verdicts = new Map(); // by tile, of this update
+  #final = new Set(); // tiles that are drawn and will not be replaced in this view
+  #finalDrawn = false;
   #demoted = new WeakSet(); // tiles that are loaded last
   #listeners;
 
@@ -131,7 +207,7 @@ export class TilesOcclusionPlugin {
   dispose() {
     for (const [type, listener] of Object.entries(this.#listeners)) this.#tiles.removeEventListener(type, listener);
     for (const tile of [...this.#occluders.keys()]) this.#forget(tile);
-    for (const camera of [...this.#sights.keys()]) this.#forgetCamera(camera);
+    for (const camera of [...this.#looks.keys()]) this.#forgetCamera(camera);
     this.#tiles.traverse((tile) => void this.#promote(tile), null, false);
     this.#tiles = undefined;
     this.#ready = false;
@@ -142,56 +218,44 @@ export class TilesOcclusionPlugin {
     this.#occluders.delete(tile);
   }
   #forgetCamera(camera) {
-    this.#sights.get(camera)?.sight.dispose();
-    this.#sights.delete(camera);
+    this.#looks.get(camera)?.dispose();
+    this.#looks.delete(camera);
   }
 
-  #occludersOf(tile) {
-    let occluders = this.#occluders.get(tile);
-    if (occluders) return occluders;
-    occluders = [];
-    const { scene } = tile.engineData;
-    const visit = (object, toParent) => {
-      object.updateMatrix();
-      const toGroup = toParent.clone().multiply(object.matrix);
-      if (isRigid(object)) occluders.push(new Occluder(object, toGroup));
-      object.children.forEach((child) => visit(child, toGroup));
-    };
-    if (scene) visit(scene, new Matrix4());
-    this.#occluders.set(tile, occluders);
-    return occluders;
+  #occludersOf(tiles) {
+    const ranked = tiles.map((tile) => {
+      if (!this.#occluders.has(tile)) this.#occluders.set(tile, occludersIn(tile.engineData.scene));
+      const occluders = this.#occluders.get(tile).filter((occluder) => occluder.occludes);
+      const triangles = occluders.reduce((sum, occluder) => sum + occluder.triangles, 0);
+      tile.engineData.boundingVolume.getSphere(ball);
+      const size = Math.min(ball.radius / tile.traversal.distanceFromCamera, 1);
+      return { occluders, triangles, worth: size ** 2 / triangles };
+    });
+    let left = enoughTriangles;
+    return ranked
+      .filter(({ triangles }) => triangles > 0)
+      .sort((a, b) => b.worth - a.worth)
+      .filter(({ triangles }) => (left -= triangles) + triangles > 0)
+      .flatMap(({ occluders }) => occluders);
   }
 
   // Draws what was drawn last, as each camera sees it now.
   #look() {
-    this.#verdicts.clear();
+    this.#finalDrawn = false;
     Object.assign(this.stats, { tested: 0, hidden: 0, occluders: 0, occluderTriangles: 0, drawMs: 0, testMs: 0 });
     if (!this.#ready || !this.enabled) return;
     const begin = performance.now();
-    const occluders = [...this.#tiles.visibleTiles].flatMap((tile) => this.#occludersOf(tile)).filter((occluder) => occluder.occludes);
-    for (const camera of this.#tiles.cameras) this.#lookFrom(camera, occluders);
+    const drawn = [...this.#tiles.visibleTiles];
+    this.#final = new Set(drawn.filter((tile) => !this.#standsIn(tile)));
+    const occluders = this.#occludersOf(drawn);
+    for (const camera of this.#tiles.cameras) {
+      if (!this.#looks.has(camera)) this.#looks.set(camera, new Look());
+      const look = this.#looks.get(camera);
+      look.from(camera, this.#tiles);
+      this.stats.occluderTriangles += look.draw("all", occluders);
+    }
     this.stats.occluders = occluders.length;
     this.stats.drawMs = performance.now() - begin;
-  }
-
-  #lookFrom(camera, occluders) {
-    if (!this.#sights.has(camera)) this.#sights.set(camera, { sight: new Sight(), toWorld: new Matrix4() });
-    const seen = this.#sights.get(camera);
-    const numbers = new Float64Array(35 + 17 * occluders.length);
-    numbers.set(cameraNumbers(camera, this.#tiles.getResolution(camera, resolution)));
-    seen.isOrthographic = camera.projectionMatrix.elements[15] === 1;
-    seen.toWorld.copy(this.#tiles.group.matrixWorld).premultiply(matrix.makeTranslation(-eye.x, -eye.y, -eye.z));
-    occluders.forEach((occluder, i) => {
-      numbers[35 + 17 * i] = occluder.copy;
-      numbers.set(matrix.multiplyMatrices(seen.toWorld, occluder.toGroup).elements, 36 + 17 * i);
-    });
-    try {
-      this.stats.occluderTriangles += seen.sight.draw(numbers);
-      seen.works = true;
-    } catch (problem) {
-      if (seen.works !== false) console.warn(`TilesOcclusionPlugin: nothing is culled: ${problem.message}`);
-      seen.works = false;
-    }
   }
 
   // Tiles that come or go are other occluders: one more update shows what they hide.
@@ -204,7 +268,7 @@ export class TilesOcclusionPlugin {
   // For 3DTilesRendererJS: false has no effect, true with inView false takes the tile out of the view.
   calculateTileViewError(tile, target) {
     const begin = performance.now();
-    const hidden = this.#ready && this.enabled && this.#sights.size > 0 && this.#isHidden(tile);
+    const hidden = this.#ready && this.enabled && this.#looks.size > 0 && this.#isHidden(tile);
     this.stats.testMs += performance.now() - begin;
     if (hidden) this.#demote(tile);
     else this.#promote(tile);
@@ -224,61 +288,28 @@ export class TilesOcclusionPlugin {
     if (this.#demoted.delete(tile)) delete tile.priority;
   }
 
-  // Below a tile that stands in for its children these are asked with the error of what they will replace, since it must not
-  // hide them itself; and not all children of a tile are hidden there, since then it would go before they come.
+  // Whether children will replace the tile as soon as they are there.
+  #standsIn(tile) {
+    return tile.refine === "REPLACE" && tile.children.length > 0 && tile.traversal.error > this.#tiles.errorTarget;
+  }
+
+  // A tile that is drawn until its children are there must not hide them: these are asked about the tiles alone that stay.
   #isHidden(tile) {
-    const known = this.#verdicts.get(tile);
-    if (known !== undefined) return known;
-    const standIn = this.#standIn(tile);
-    if (!standIn) {
-      const hidden = this.#isBehind(tile, 0);
-      this.#verdicts.set(tile, hidden);
-      return hidden;
-    }
-    const siblings = tile.parent.children.filter((child) => child.engineData);
-    const hidden = siblings.map((child) => this.#isBehind(child, standIn.geometricError));
-    const all = hidden.every(Boolean);
-    siblings.forEach((child, i) => this.#verdicts.set(child, hidden[i] && !all));
-    return this.#verdicts.get(tile);
-  }
-
-  // The ancestor that is drawn instead of the tile.
-  #standIn(tile) {
+    let which = "all";
     for (let ancestor = tile.parent; ancestor; ancestor = ancestor.parent)
-      if (ancestor.refine === "REPLACE" && this.#tiles.visibleTiles.has(ancestor)) return ancestor;
-    return undefined;
-  }
-
-  // Whether no camera sees anything of the tile's bounding volume, grown by a length of the group.
-  #isBehind(tile, growth) {
+      if (ancestor.refine === "REPLACE" && this.#tiles.visibleTiles.has(ancestor)) {
+        if (this.#final.has(ancestor)) return false; // until now
+        which = "final";
+      }
+    if (which === "final" && !this.#finalDrawn) this.#drawFinal();
     this.stats.tested += 1;
-    const { sphere, obb, regionObb } = tile.engineData.boundingVolume;
-    for (const seen of this.#sights.values()) {
-      if (!seen.works) return false;
-      if (sphere && !this.#showsSphere(seen, sphere, growth)) continue;
-      const box = obb ?? regionObb;
-      if (box && !this.#showsBox(seen, box, growth)) continue;
-      return false;
-    }
-    return true;
+    const { boundingVolume } = tile.engineData;
+    return [...this.#looks.values()].every((look) => look.hides(which, boundingVolume));
   }
 
-  #showsBox({ sight, toWorld, isOrthographic }, { box, transform }, growth) {
-    transform.extractBasis(...axes);
-    const grown = axes.map((axis) => growth / axis.length());
-    for (let i = 0; i < 8; ++i) {
-      point.set(i & 1 ? box.max.x + grown[0] : box.min.x - grown[0], i & 2 ? box.max.y + grown[1] : box.min.y - grown[1], i & 4 ? box.max.z + grown[2] : box.min.z - grown[2]);
-      point.applyMatrix4(transform).applyMatrix4(toWorld);
-      if (!isOrthographic) point.multiplyScalar(nearer);
-      point.toArray(corners, 3 * i);
-    }
-    return sight.showsHull(corners);
-  }
-
-  #showsSphere({ sight, toWorld, isOrthographic }, sphere, growth) {
-    point.copy(sphere.center).applyMatrix4(toWorld);
-    const radius = (sphere.radius + growth) * toWorld.getMaxScaleOnAxis();
-    const share = isOrthographic ? 1 : nearer;
-    return sight.showsSphere(point.x * share, point.y * share, point.z * share, radius * share);
+  #drawFinal() {
+    const occluders = this.#occludersOf([...this.#final]);
+    for (const look of this.#looks.values()) this.stats.occluderTriangles += look.draw("final", occluders);
+    this.#finalDrawn = true;
   }
 }
