@@ -4,7 +4,7 @@ import * as three from "three";
 import { LRUCache, TilesRenderer } from "3d-tiles-renderer";
 import { TilesOcclusionPlugin } from "@occlod/three/tiles_plugin.js";
 
-const renderer = new three.WebGLRenderer({ antialias: new URLSearchParams(location.search).has("antialias"), preserveDrawingBuffer: true });
+const renderer = new three.WebGLRenderer({ preserveDrawingBuffer: true });
 renderer.setSize(innerWidth, innerHeight);
 document.body.append(renderer.domElement);
 const background = new three.Color(0xff00ff);
@@ -23,9 +23,7 @@ class Drawn {
     this.tiles = Object.assign(new TilesRenderer(url), { errorTarget: 2, ...settings });
     this.tiles.lruCache = Object.assign(new LRUCache(), { maxSize: 1e6, minSize: 1e6, minBytesSize: 4e9, maxBytesSize: 4e9, unloadPriorityCallback: this.tiles.lruCache.unloadPriorityCallback });
     this.loaded = new Map(); // tiles, and how many were before each
-    this.everVisible = new Set();
     this.failed = 0;
-    this.bytes = 0;
     for (const camera of cameras) {
       this.tiles.setCamera(camera);
       this.tiles.setResolution(camera, innerWidth, innerHeight);
@@ -34,7 +32,6 @@ class Drawn {
       this.loaded.set(tile, this.loaded.size);
       paint(scene, tile.content.uri);
     });
-    this.tiles.addEventListener("tile-visibility-change", ({ tile, visible }) => visible && this.everVisible.add(tile));
     this.tiles.addEventListener("load-error", () => (this.failed += 1));
     if (plugin) this.tiles.registerPlugin((this.plugin = plugin));
     this.scene = new three.Scene();
@@ -62,15 +59,18 @@ class Drawn {
   pictureOfAll(camera) {
     const { activeTiles, visibleTiles, group } = this.tiles;
     const more = [...activeTiles].filter((tile) => !visibleTiles.has(tile)).map(({ engineData }) => engineData.scene);
-    group.add(...more);
+    for (const scene of more) group.add(scene);
     const pixels = this.picture(camera);
-    group.remove(...more);
-    for (const scene of more) scene.parent = group; // as the renderer leaves them
+    for (const scene of more) {
+      group.remove(scene);
+      scene.parent = group; // as the renderer leaves them
+    }
     return pixels;
   }
+  // `complete`: how many tiles were loaded before all of these were.
   get counts() {
     const { stats, visibleTiles } = this.tiles;
-    return { drawn: visibleTiles.size, triangles: this.triangles, loaded: this.loaded.size, seen: this.everVisible.size, complete: 1 + Math.max(...[...visibleTiles].map((tile) => this.loaded.get(tile))), failed: this.failed, stats: this.plugin && { ...this.plugin.stats } };
+    return { drawn: visibleTiles.size, triangles: this.triangles, loaded: this.loaded.size, complete: 1 + Math.max(...[...visibleTiles].map((tile) => this.loaded.get(tile))), failed: this.failed, stats: this.plugin && { ...this.plugin.stats } };
   }
 }
 
