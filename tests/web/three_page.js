@@ -93,6 +93,7 @@ window.page = {
       await frame();
       if (performance.now() - begin > 60000) throw new Error(`has not settled: ${JSON.stringify(ohlod.stats)}`);
     } while (!isSettled);
+    if (page.failures.some((line) => line.startsWith("view"))) throw new Error(page.failures.join());
     renderer.render(scene, camera);
     const seen = empty();
     return { stats: ohlod.stats, empty: count(seen.mask), holes: holes(seen), pixels: seen.mask.length, drawn: renderer.info.render.triangles };

@@ -121,6 +121,7 @@ export class Ohlod extends Group {
     }
     const clipDepth = camera.reversedDepth ? "1..0" : camera.coordinateSystem === WebGPUCoordinateSystem ? "0..1" : "-1..1";
     const worldToEye = [...camera.matrixWorldInverse.elements];
+    [worldToEye[3], worldToEye[7], worldToEye[11], worldToEye[15]] = [0, 0, 0, 1]; // which an inverse is but for rounding
     const transform = this.#placed();
     const options = { tolerancePx, budget, occlusion, slackPx, geomorph: this.#geomorph };
     return {
