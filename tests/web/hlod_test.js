@@ -4,7 +4,7 @@ import fs from "node:fs";
 import path from "node:path";
 import test, { after, before } from "node:test";
 
-import { Hlod, OcclodError, ready } from "occlod";
+import { Hlod, OcclodError, ready } from "occlod/hlod.js";
 import { HlodStream } from "@occlod/three/stream.js";
 import { folder, fronts, run } from "./native.js";
 import { serve } from "./range_server.js";

@@ -29,7 +29,7 @@ export class Ohlod extends Group {
   #isBehind = false; // update() has seen another one since
   #arrived = false; // something, since the last question
   #last; // what the worker has answered last
-  #isStill = false; // it answered the last question twice alike
+  #isStill = false; // asked again, it would answer the same, unless something arrives
   #waiting = []; // of settled()
 
   constructor(url, options = {}) {
@@ -184,7 +184,9 @@ export class Ohlod extends Group {
     for (const mesh of meshes) this.#hold(mesh);
     for (const node of last.nodes) this.#draw(node);
     for (const message of last.failures) this.dispatchEvent({ type: "failure", message });
-    this.#isStill = last.stats.missing > 0 || before === last.stats.hash;
+    // A frame takes over only so much of what has come: then the next one has the rest.
+    const isComing = !last.isWaiting && last.store.loadingBytes > 0;
+    this.#isStill = last.stats.missing > 0 ? !isComing : before === last.stats.hash;
     if (this.#isSettled()) this.#tellWaiting();
   }
 
