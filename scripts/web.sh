@@ -25,7 +25,7 @@ for pair in HWY=$new/highway ZSTD=$new/libzstd CLI11=$old/cli11 FMT=$old/fmtlib 
 done
 scripts/build.sh web "${fetched[@]}"
 
-cp -r packaging/npm/occlod/{bin,index.js,index.d.ts,package.json,README.md} LICENSE "$package"
+cp -r packaging/npm/occlod/{bin,calls.js,index.js,index.d.ts,hlod.js,hlod.d.ts,package.json,README.md} LICENSE "$package"
 npm pack --silent --pack-destination build/npm "./$package" >/dev/null
 three=build/web/three
 rm -rf "$three"
@@ -35,6 +35,6 @@ cp -r build/web/three_wasm "$three/wasm"
 cp -r "$package/licences" "$three"
 npm pack --silent --pack-destination build/npm "./$three" >/dev/null
 cp web/* build/npm/page
-cp -r "$package"/{index.js,wasm,licences,LICENSE} build/npm/page/occlod
-rm build/npm/page/occlod/wasm/occlod.*  # the command line
+cp -r "$package"/{calls.js,index.js,wasm,licences,LICENSE} build/npm/page/occlod
+rm build/npm/page/occlod/wasm/{occlod,hlod}.*  # the command line; HLODs
 if [ "${1:-}" = serve ]; then exec python3 -m http.server --bind 127.0.0.1 --directory build/npm/page "${2:-8080}"; fi

@@ -53,7 +53,7 @@ async function openPage() {
 
 const outside = (angle, distance) => ({ eye: [distance * Math.sin(angle), 0.4, distance * Math.cos(angle)], target: [0, 0, 0] });
 const inside = (angle) => ({ eye: [0.5 * Math.sin(angle), 0, 0.5 * Math.cos(angle)], target: [0.2, 1, 0.4], fovY: 70 });
-const open = (options, at) => page.evaluate((...given) => window.page.open(...given), `${server.url}/data/${path.basename(ohlod)}`, { memory, wasm: `${server.url}/occlod/wasm/library.wasm`, ...options }, at);
+const open = (options, at) => page.evaluate((...given) => window.page.open(...given), `${server.url}/data/${path.basename(ohlod)}`, { memory, wasm: `${server.url}/occlod/wasm/hlod.wasm`, ...options }, at);
 const look = (at) => page.evaluate((at) => window.page.look(at), at);
 const fly = (cameras, options) => page.evaluate((...given) => window.page.fly(...given), cameras, options);
 const faultless = () => (server.link.fault = () => undefined);

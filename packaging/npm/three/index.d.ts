@@ -24,7 +24,7 @@ export interface OhlodOptions {
   stallMs?: number;
   /** Headers and others for fetch(); they go to the worker. */
   fetchOptions?: RequestInit;
-  /** Where wasm/library.wasm of the package occlod is, when it does not lie there. */
+  /** Where wasm/hlod.wasm of the package occlod is, when it does not lie there. */
   wasm?: string | URL;
   /** A worker that runs worker.js of this package, for bundlers that do not find it. */
   worker?: Worker;

@@ -29,7 +29,7 @@ export class Ohlod extends Group {
   #isBehind = false; // update() has seen another one since
   #arrived = false; // something, since the last question
   #last; // what the worker has answered last
-  #isStill = false; // it answered the last question twice alike
+  #isStill = false; // asked again, it would answer the same, unless something arrives
   #waiting = []; // of settled()
 
   constructor(url, options = {}) {
@@ -121,6 +121,7 @@ export class Ohlod extends Group {
     }
     const clipDepth = camera.reversedDepth ? "1..0" : camera.coordinateSystem === WebGPUCoordinateSystem ? "0..1" : "-1..1";
     const worldToEye = [...camera.matrixWorldInverse.elements];
+    [worldToEye[3], worldToEye[7], worldToEye[11], worldToEye[15]] = [0, 0, 0, 1]; // which an inverse is but for rounding
     const transform = this.#placed();
     const options = { tolerancePx, budget, occlusion, slackPx, geomorph: this.#geomorph };
     return {
@@ -183,7 +184,9 @@ export class Ohlod extends Group {
     for (const mesh of meshes) this.#hold(mesh);
     for (const node of last.nodes) this.#draw(node);
     for (const message of last.failures) this.dispatchEvent({ type: "failure", message });
-    this.#isStill = last.stats.missing > 0 || before === last.stats.hash;
+    // A frame takes over only so much of what has come: then the next one has the rest.
+    const isComing = !last.isWaiting && last.store.loadingBytes > 0;
+    this.#isStill = last.stats.missing > 0 ? !isComing : before === last.stats.hash;
     if (this.#isSettled()) this.#tellWaiting();
   }
 

@@ -1,7 +1,7 @@
 // Fetches an .ohlod file by HTTP range requests, in the order in which Hlod asks: header and tables, roots, then nodes.
 // What is lost or stalls is asked for again, after a pause that grows while nothing comes; what has become needless is
 // cancelled.
-import { Hlod } from "../../occlod/index.js";
+import { Hlod } from "../../occlod/hlod.js";
 
 const firstBytes = 65536; // header, table of sections and, of most files, more
 const openingTries = 6;
@@ -34,6 +34,11 @@ export class HlodStream {
 
   get hlod() {
     return this.#hlod;
+  }
+
+  /** Whether something may still come without another select(). */
+  get isWaiting() {
+    return this.#flights.size > 0 || this.#paused !== undefined;
   }
 
   get name() {

@@ -1,7 +1,7 @@
 // Streams an .ohlod file and selects what to draw of it. Messages in: {open}, {frame}; out: {opened} or {failed}, {arrived},
 // and {selection} or {missed} as the answer to each {frame}. Meshes go along with the first selection that has them; a frame
 // names those that are no longer held.
-import { ready } from "../../occlod/index.js";
+import { ready } from "../../occlod/hlod.js";
 import { HlodStream } from "./stream.js";
 
 let stream;
@@ -46,7 +46,7 @@ function answer({ camera, transform, dropped, options }) {
   const store = hlod.store;
   const failures = hlod.takeFailures();
   const transfer = meshes.flatMap((mesh) => Object.values(mesh).filter(ArrayBuffer.isView).map((array) => array.buffer));
-  postMessage({ selection: { nodes, meshes, stats, store, failures, counts: stream.counts } }, transfer);
+  postMessage({ selection: { nodes, meshes, stats, store, failures, counts: stream.counts, isWaiting: stream.isWaiting } }, transfer);
 }
 
 self.onmessage = async ({ data }) => {
