@@ -15,11 +15,12 @@ export interface TilesOcclusionStats {
 }
 
 /**
- * A plugin of 3DTilesRendererJS: what other tiles hide is neither drawn nor refined, and what is missing of it is loaded last.
- * Before each update it rasterises the tiles drawn last, for every camera, at the resolution that the renderer has been told, and asks whether
- * bounding volumes are behind them. Opaque meshes hide, by the sides that are drawn; skinned, instanced and batched ones do
- * not, nor do those of ShaderMaterial. Where a camera is not one that has square pixels nothing is culled, and the console
- * says so. Hidden tiles cast no shadows, unless `displayActiveTiles` is set.
+ * A plugin of 3DTilesRendererJS: what other tiles hide is neither drawn nor refined, and what is missing of it is loaded
+ * last. Before each update it rasterises those of the tiles drawn last that cover most, for every camera, at the resolution
+ * that the renderer has been told, and asks whether bounding volumes are behind them. So give the resolution of the picture;
+ * with antialiasing, gaps thinner than a pixel may be missed. Opaque meshes hide, by the sides that are drawn; skinned,
+ * instanced and batched ones do not, nor do those of ShaderMaterial. For a camera whose matrix is no rigid motion nothing is
+ * culled, and the console says so. Hidden tiles cast no shadows, unless `displayActiveTiles` is set.
  */
 export class TilesOcclusionPlugin {
   /** `wasm`: where `wasm/occlusion.wasm` is, or its bytes, when it does not lie beside the script. */
