@@ -29,6 +29,7 @@ struct SelectOptions {
   // What would be seen if everything moved by so many pixels is not hidden either, >= 0: for renderers that draw a
   // selection some frames after it was asked for. Such renderers also give a view that is wider by as many.
   double slack_px = 0.0;
+  int prefetch_frames = 15;  // of HLODs with a store: see TraverseOptions::prefetch_frames
 
   friend bool operator==(const SelectOptions&, const SelectOptions&) = default;
 };

@@ -119,14 +119,15 @@ EMSCRIPTEN_KEEPALIVE bool occlod_place_hlod(HlodState* state) {
 
 // numbers: a camera in; triangles, tolerance, largest error, hidden and missing nodes out.
 EMSCRIPTEN_KEEPALIVE bool occlod_select(HlodState* state, double tolerance_px, std::size_t budget, bool occlusion,
-                                        bool geomorph, double slack_px) {
+                                        bool geomorph, double slack_px, int prefetch_frames) {
   state->selected.clear();
   return guarded([&] {
     const hlod::Selection& selection = state->selector->select(view_of_numbers(), {.tolerance_px = tolerance_px,
                                                                                    .budget = budget,
                                                                                    .occlusion = occlusion,
                                                                                    .geomorph = geomorph,
-                                                                                   .slack_px = slack_px});
+                                                                                   .slack_px = slack_px,
+                                                                                   .prefetch_frames = prefetch_frames});
     for (const hlod::SelectedNode& node : selection.nodes) {
       state->selected.push_back(node.node);
       state->selected.push_back(static_cast<std::uint32_t>(node.ranges.size()));
