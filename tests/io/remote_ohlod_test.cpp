@@ -145,9 +145,9 @@ TEST_P(RemoteOhlodTest, DamageIsHealedOnceAndThenOneLine) {
     open(remote);
     sections::SectionReader reader(path_, ohlod::file_kind, true);
     const bool is_packed = GetParam() != OlodCompression::none;
-    const std::uint64_t place = reader.offset_of(is_packed ? ohlod::packed_meshes_name : ohlod::meshes_name) +
-                                (is_packed ? reader.read<std::uint64_t>(ohlod::mesh_places_name)[victim]
-                                           : built_.node(victim).mesh);
+    const std::uint64_t place =
+        reader.offset_of(is_packed ? ohlod::packed_meshes_name : ohlod::meshes_name) +
+        (is_packed ? reader.read<std::uint64_t>(ohlod::mesh_places_name)[victim] : built_.node(victim).mesh);
     int again = 0;
     fetch_all(remote, [&](const RemoteRequest& request) {
       std::vector<std::byte> answer(bytes(request.range).begin(), bytes(request.range).end());

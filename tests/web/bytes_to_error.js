@@ -8,11 +8,11 @@ import puppeteer from "puppeteer-core";
 import { serve } from "./range_server.js";
 
 const [file, ...tilesets] = process.argv.slice(2).map((name) => path.resolve(name));
-const half = Number(process.env.HALF ?? 1000); // of the city's side, metres
+const side = Number(process.env.SIDE ?? 960); // of the city, metres
 const views = {
-  overview: { eye: [-0.9 * half, -0.9 * half, 0.7 * half], target: [0, 0, 0] },
-  roofs: { eye: [-0.3 * half, -0.3 * half, 90], target: [0.2 * half, 0.2 * half, 0] },
-  street: { eye: [-0.25 * half, 3, 4], target: [half, 3, 4] },
+  overview: { eye: [-0.2 * side, -0.2 * side, 0.35 * side], target: [0.5 * side, 0.5 * side, 0] },
+  roofs: { eye: [0.35 * side, 0.35 * side, 90], target: [0.6 * side, 0.6 * side, 0] },
+  street: { eye: [480, 530, 1.7], target: [480, 800, 8] },
 };
 const here = process.cwd();
 const folders = { modules: path.join(here, "node_modules"), page: here };
@@ -32,7 +32,7 @@ await page.waitForFunction(() => window.page);
 async function measure(what, ...given) {
   const before = server.told.bytes;
   const told = await page.evaluate((what, given) => window.page[what](...given), what, given);
-  return { ...told, bytes: server.told.bytes - before };
+  return { bytes: server.told.bytes - before, ...told }; // an Ohlod says how much had come when its picture was complete
 }
 
 const url = `${server.url}/data0/${path.basename(file)}`;

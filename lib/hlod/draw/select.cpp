@@ -67,6 +67,7 @@ class Selector::Impl {
     traverse.strategy = options.occlusion ? Strategy::coh : Strategy::vfc;
     traverse.tolerance_px = tolerance_px;
     traverse.geomorph = options.geomorph;
+    traverse.prefetch_frames = options.prefetch_frames;
     if (options.occlusion) return traverser_.draw_frame(view, software_, traverse);
     return traverser_.draw_frame(view, none_, traverse);
   }

@@ -194,9 +194,8 @@ class RemoteLoads final : public LoadQueue {
   }
 
   [[nodiscard]] Flight* flight_of(NodeId n) {
-    const auto found = std::ranges::find_if(flights_, [&](const Flight& flight) {
-      return flight.first <= n && n - flight.first < flight.wanted.size();
-    });
+    const auto found = std::ranges::find_if(
+        flights_, [&](const Flight& flight) { return flight.first <= n && n - flight.first < flight.wanted.size(); });
     return found == flights_.end() ? nullptr : &*found;
   }
 
@@ -304,7 +303,8 @@ class Needs {
     if (sections::checksum_of(std::as_bytes(std::span(table_))) != header.table_checksum) return {};
     std::vector<ByteRange> ranges = {table};
     for (const std::string_view name : table_names)
-      if (const Section* const section = find(name)) ranges.push_back({section->offset, section->offset + section->bytes});
+      if (const Section* const section = find(name))
+        ranges.push_back({section->offset, section->offset + section->bytes});
     // Coarse nodes come first, so some of the roots are probably among them.
     if (const Section* const meshes = find(ohlod::packed_meshes_name))
       ranges.push_back({meshes->offset, meshes->offset + std::min(meshes->bytes, worth_joining)});

@@ -22,6 +22,8 @@ export interface SelectOptions {
   geomorph?: boolean;
   /** What would be seen if everything moved by so many pixels is not hidden either; 0 when not given. */
   slackPx?: number;
+  /** Fetch what would be seen after so many more frames, when nothing else is missing; 0, nothing, when not given. */
+  prefetchFrames?: number;
 }
 
 export interface SelectStats {

@@ -87,9 +87,9 @@ export class Hlod {
     checked(library()._occlod_place_hlod(this.#pointer));
   }
 
-  select(camera, { tolerancePx = 1, budget = 0, occlusion = true, geomorph = false, slackPx = 0 } = {}) {
+  select(camera, { tolerancePx = 1, budget = 0, occlusion = true, geomorph = false, slackPx = 0, prefetchFrames = 0 } = {}) {
     setCamera(camera);
-    checked(library()._occlod_select(this.#pointer, tolerancePx, budget, occlusion, geomorph, slackPx));
+    checked(library()._occlod_select(this.#pointer, tolerancePx, budget, occlusion, geomorph, slackPx, prefetchFrames));
     const [triangles, tolerance, largestErrorPx, hidden, missing] = numbers();
     return { triangles, tolerancePx: tolerance, largestErrorPx, hidden, missing, hash: text(library()._occlod_front_hash()) };
   }

@@ -1,6 +1,4 @@
 // What hlod.js calls: HLODs, whole or from afar, and what views select of them.
-#include "binding.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <glm/vec4.hpp>
 #include <optional>
 
+#include "binding.h"
 #include "hlod/store/remote_ohlod.h"
 #include "occlod/node_store.h"
 #include "occlod/select.h"
@@ -78,7 +77,8 @@ EMSCRIPTEN_KEEPALIVE const Bytes* occlod_open_hlod(HlodState* state, double memo
       ends.push_back(static_cast<double>(range.end));
     }
     if (ends.empty()) {
-      state->placed = {.hlod = &state->hlod(), .object_to_world = positions_to_world(glm::dmat4(1.0), state->hlod().data().origin)};
+      state->placed = {.hlod = &state->hlod(),
+                       .object_to_world = positions_to_world(glm::dmat4(1.0), state->hlod().data().origin)};
       state->selector.emplace(std::span(&state->placed, 1));
     }
     const auto bytes = std::as_bytes(std::span(ends));
@@ -112,22 +112,22 @@ EMSCRIPTEN_KEEPALIVE void occlod_hlod_facts(const HlodState* state) {
 // numbers: the transform of its coordinates.
 EMSCRIPTEN_KEEPALIVE bool occlod_place_hlod(HlodState* state) {
   return guarded([&] {
-    state->selector->set_transform(
-        0, positions_to_world(glm::make_mat4(numbers.data()), state->hlod().data().origin));
+    state->selector->set_transform(0, positions_to_world(glm::make_mat4(numbers.data()), state->hlod().data().origin));
     return true;
   });
 }
 
 // numbers: a camera in; triangles, tolerance, largest error, hidden and missing nodes out.
 EMSCRIPTEN_KEEPALIVE bool occlod_select(HlodState* state, double tolerance_px, std::size_t budget, bool occlusion,
-                                        bool geomorph, double slack_px) {
+                                        bool geomorph, double slack_px, int prefetch_frames) {
   state->selected.clear();
   return guarded([&] {
     const hlod::Selection& selection = state->selector->select(view_of_numbers(), {.tolerance_px = tolerance_px,
                                                                                    .budget = budget,
                                                                                    .occlusion = occlusion,
                                                                                    .geomorph = geomorph,
-                                                                                   .slack_px = slack_px});
+                                                                                   .slack_px = slack_px,
+                                                                                   .prefetch_frames = prefetch_frames});
     for (const hlod::SelectedNode& node : selection.nodes) {
       state->selected.push_back(node.node);
       state->selected.push_back(static_cast<std::uint32_t>(node.ranges.size()));

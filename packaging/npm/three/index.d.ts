@@ -92,6 +92,8 @@ export class Ohlod extends Group<OhlodEventMap> {
   readonly stats: OhlodStats;
   /** Asks for what this camera sees at the size of the renderer. Returns at once; what is drawn follows some frames later. */
   update(camera: Camera, renderer: WebGLRenderer): void;
+  /** Whether what is drawn was selected for an earlier camera than that of the last update(). */
+  readonly isBehind: boolean;
   /** Resolves when all has come that the last update() asked for. update() must go on being called. */
   settled(): Promise<void>;
   dispose(): void;

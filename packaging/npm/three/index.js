@@ -79,6 +79,10 @@ export class Ohlod extends Group {
     };
   }
 
+  get isBehind() {
+    return this.#asking || this.#isBehind;
+  }
+
   update(camera, renderer) {
     if (!this.#facts) return;
     const question = this.#question(camera, renderer);

@@ -1,6 +1,6 @@
-// What occlusion.js calls: software occlusion for meshes that a page has loaded, without the rest of the library, so that
-// a page loads little. Numbers pass through occlusion_numbers(); a call that fails returns 0 and occlusion_failure() says
-// why.
+// What occlusion.js calls: software occlusion for meshes that a page has loaded, without the rest of the library, so
+// that a page loads little. Numbers pass through occlusion_numbers(); a call that fails returns 0 and
+// occlusion_failure() says why.
 #include <emscripten.h>
 
 #include <algorithm>
@@ -51,8 +51,8 @@ View view_of_numbers() {
                  static_cast<ClipDepth>(static_cast<int>(n[34])));
 }
 
-// Returns the triangles of which the eye surely sees a side that is drawn. A triangle that is left out hides nothing, so
-// rounding is on the safe side.
+// Returns the triangles of which the eye surely sees a side that is drawn. A triangle that is left out hides nothing,
+// so rounding is on the safe side.
 std::span<const Triangle> find_shown(const OccluderMesh& mesh, const glm::vec3& eye) {
   if (mesh.side == Side::both) return mesh.triangles;
   const float sign = mesh.side == Side::front ? 1.0F : -1.0F;
@@ -66,8 +66,8 @@ std::span<const Triangle> find_shown(const OccluderMesh& mesh, const glm::vec3& 
   return std::span(shown).first(count);
 }
 
-// Gives each pixel the farthest depth of 3x3 pixels: a GPU rounds corners otherwise and may take several samples, so near
-// an outline it may show what is behind. O(pixels).
+// Gives each pixel the farthest depth of 3x3 pixels: a GPU rounds corners otherwise and may take several samples, so
+// near an outline it may show what is behind. O(pixels).
 void widen_gaps(DepthBuffer& depth) {
   const auto width = static_cast<std::size_t>(depth.width), height = static_cast<std::size_t>(depth.height);
   rows.resize(depth.nearness.size());
@@ -87,8 +87,8 @@ void widen_gaps(DepthBuffer& depth) {
   }
 }
 
-// Draws the occluders of a view; numbers: of the camera, then of each occluder its mesh and its transform. Returns how many
-// triangles were drawn.
+// Draws the occluders of a view; numbers: of the camera, then of each occluder its mesh and its transform. Returns how
+// many triangles were drawn.
 std::size_t draw(Sight& sight, std::size_t count) {
   const View view = view_of_numbers();
   sight.depth.reset(view.width(), view.height());
