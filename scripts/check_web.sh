@@ -17,11 +17,15 @@ if [ -z "${OCCLOD:-}" ]; then
 fi
 out=${1:-out/web}
 mkdir -p "$out" build/web/tests
-OCCLOD=$(realpath "$OCCLOD") OCCLOD_PAGE=$PWD/build/npm/page OCCLOD_PICTURES=$(realpath "$out")
-OCCLOD_PACKAGE=$(echo "$PWD"/build/npm/occlod-*.tgz)
-export CHROMIUM OCCLOD OCCLOD_PAGE OCCLOD_PICTURES OCCLOD_PACKAGE
+OCCLOD=$(realpath "$OCCLOD") OCCLOD_ROOT=$PWD OCCLOD_PAGE=$PWD/build/npm/page OCCLOD_PICTURES=$(realpath "$out")
+OCCLOD_PACKAGE=$(echo "$PWD"/build/npm/occlod-[0-9]*.tgz)
+OCCLOD_THREE=$(echo "$PWD"/build/npm/occlod-three-*.tgz)
+export CHROMIUM OCCLOD OCCLOD_ROOT OCCLOD_PAGE OCCLOD_PICTURES OCCLOD_PACKAGE
 cp tests/web/* build/web/tests
 cd build/web/tests
-npm install --silent --no-save --no-audit --no-fund "$OCCLOD_PACKAGE" || skip "the packages of tests/web cannot be installed"
+npm install --silent --no-save --no-audit --no-fund "$OCCLOD_PACKAGE" "$OCCLOD_THREE" || skip "the packages of tests/web cannot be installed"
 node --test package_test.js
 node --test page_test.js
+node --test hlod_test.js
+node --test three_test.js
+node --test tiles_test.js

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# web.sh [serve [PORT]]: compiles the library and the command line to WebAssembly, in build/web, and packs them as the npm
-# package build/npm/occlod-VERSION.tgz; the page of web/ lies beside it, in build/npm/page, and `serve` serves it on
-# http://127.0.0.1:PORT (8080). Needs Node with npm; the compiler comes by scripts/emscripten.sh, the dependencies from
-# Debian's source packages. Exit status 77 where one cannot be had.
+# web.sh [serve [PORT]]: compiles the library and the command line to WebAssembly, in build/web, and packs the npm packages
+# build/npm/occlod-VERSION.tgz and build/npm/occlod-three-VERSION.tgz; the page of web/ lies beside them, in build/npm/page,
+# and `serve` serves it on http://127.0.0.1:PORT (8080). Needs Node with npm; the compiler comes by scripts/emscripten.sh, the
+# dependencies from Debian's source packages. Exit status 77 where one cannot be had.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -25,9 +25,16 @@ for pair in HWY=$new/highway ZSTD=$new/libzstd CLI11=$old/cli11 FMT=$old/fmtlib 
 done
 scripts/build.sh web "${fetched[@]}"
 
-cp -r packaging/npm/occlod/{bin,index.js,index.d.ts,package.json,README.md} LICENSE "$package"
+cp -r packaging/npm/occlod/{bin,calls.js,index.js,index.d.ts,hlod.js,hlod.d.ts,package.json,README.md} LICENSE "$package"
 npm pack --silent --pack-destination build/npm "./$package" >/dev/null
+three=build/web/three
+rm -rf "$three"
+mkdir -p "$three"
+cp packaging/npm/three/*.{js,ts,json,md} LICENSE "$three"
+cp -r build/web/three_wasm "$three/wasm"
+cp -r "$package/licences" "$three"
+npm pack --silent --pack-destination build/npm "./$three" >/dev/null
 cp web/* build/npm/page
-cp -r "$package"/{index.js,wasm,licences,LICENSE} build/npm/page/occlod
-rm build/npm/page/occlod/wasm/occlod.*  # the command line
+cp -r "$package"/{calls.js,index.js,wasm,licences,LICENSE} build/npm/page/occlod
+rm build/npm/page/occlod/wasm/{occlod,hlod}.*  # the command line; HLODs
 if [ "${1:-}" = serve ]; then exec python3 -m http.server --bind 127.0.0.1 --directory build/npm/page "${2:-8080}"; fi

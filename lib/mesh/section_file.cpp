@@ -220,7 +220,7 @@ SectionReader::SectionReader(const std::filesystem::path& path, const FileKind& 
   check_table();
 }
 
-SectionReader::SectionReader(std::shared_ptr<const InputFile> file, const std::filesystem::path& path,
+SectionReader::SectionReader(std::shared_ptr<const ByteSource> file, const std::filesystem::path& path,
                              const FileKind& kind)
     : path_(path.string()), kind_(kind), open_file_(std::move(file)), size_(open_file_->size()) {
   read_header();
@@ -303,7 +303,8 @@ std::span<const std::byte> SectionReader::bytes_at(std::uint64_t offset, std::si
   if (open_file_ == nullptr) return bytes_.subspan(offset, bytes);
   UninitializedVector<std::byte>& part = parts_.emplace_back(bytes);
   try {
-    open_file_->read(part, offset);
+    const std::span<std::byte> whole = part;
+    open_file_->read({&whole, 1}, offset);
   } catch (const std::system_error& error) {
     refuse(fmt::format("byte {}", offset), fmt::format("cannot be read: {}", error.code().message()));
   }
@@ -477,7 +478,8 @@ void convert_names(Json& json, std::string (*convert)(std::string_view)) {
   convert_in("textures", "file");
 }
 
-std::optional<Materials> unpack(std::string_view text, std::span<const std::uint8_t> images) {
+// Without images, embedded ones are left out.
+std::optional<Materials> unpack(std::string_view text, std::optional<std::span<const std::uint8_t>> given) {
   try {
     if (is_nested_too_deeply(text)) return std::nullopt;
     Json json = Json::parse(text);
@@ -487,8 +489,9 @@ std::optional<Materials> unpack(std::string_view text, std::span<const std::uint
     if (origin != "bottom_left" && origin != "top_left") return std::nullopt;
     result.origin = origin == "bottom_left" ? TextureOrigin::bottom_left : TextureOrigin::top_left;
     for (const Json& material : json.at("materials")) result.materials.push_back(material_of(material));
+    std::span<const std::uint8_t> images = given.value_or(std::span<const std::uint8_t>());
     for (const Json& texture : json.at("textures")) {
-      const auto size = texture.at("bytes").get<std::size_t>();
+      const auto size = given ? texture.at("bytes").get<std::size_t>() : 0;
       if (size > images.size()) return std::nullopt;
       result.textures.push_back({texture.at("file").get<std::string>(),
                                  texture.at("mime_type").get<std::string>(),
@@ -530,10 +533,12 @@ void MaterialSections::add_to(SectionWriter& writer) const {
   writer.add(images_name, std::span<const std::uint8_t>(images_));
 }
 
-Materials read_materials(SectionReader& reader) {
+Materials read_materials(SectionReader& reader, bool with_images) {
   if (!reader.has(materials_name)) return {};
   const auto text = reader.read<char>(materials_name);
-  auto materials = unpack({text.data(), text.size()}, reader.read<std::uint8_t>(images_name));
+  std::optional<std::span<const std::uint8_t>> images;
+  if (with_images) images = reader.read<std::uint8_t>(images_name);
+  auto materials = unpack({text.data(), text.size()}, images);
   if (!materials) reader.refuse("section MATE", "does not hold materials");
   return *std::move(materials);
 }

@@ -13,6 +13,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "base/byte_source.h"
 #include "base/file_input.h"
 #include "base/memory.h"
 #include "mesh/image_files.h"
@@ -124,7 +125,7 @@ class SectionReader {
   SectionReader(const std::filesystem::path& path, const FileKind& kind, bool is_mapped);
   // Reads an open file and copies sections when they are read; `path` names it in messages. Checks the header and the
   // table. Throws Error.
-  SectionReader(std::shared_ptr<const InputFile> file, const std::filesystem::path& path, const FileKind& kind);
+  SectionReader(std::shared_ptr<const ByteSource> file, const std::filesystem::path& path, const FileKind& kind);
 
   [[noreturn]] void refuse(const std::string& place, const std::string& problem, const std::string& remedy) const;
   // Throws Error with the remedy to build the file again.
@@ -175,7 +176,7 @@ class SectionReader {
   std::optional<MappedFile> file_;  // the mapping, unless the file was copied or is read in parts
   LargeVector<std::byte> copy_;
   std::span<const std::byte> bytes_;
-  std::shared_ptr<const InputFile> open_file_;         // the file that is read in parts
+  std::shared_ptr<const ByteSource> open_file_;        // the file that is read in parts
   std::vector<UninitializedVector<std::byte>> parts_;  // parts read so far
   std::uint64_t size_ = 0;                             // of the file
   FileHeader header_;
@@ -217,6 +218,7 @@ class MaterialSections {
 };
 
 // Returns the defaults when the file has no material sections. Refuses anything that MaterialSections does not write.
-[[nodiscard]] Materials read_materials(SectionReader& reader);
+// Without images those that the file holds are not read: their textures have no bytes.
+[[nodiscard]] Materials read_materials(SectionReader& reader, bool with_images = true);
 
 }  // namespace occlod::sections

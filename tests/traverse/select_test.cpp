@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 #include <set>
 #include <string>
 #include <vector>
@@ -99,7 +102,50 @@ TEST(Selector, WithoutOcclusionIsTheFrontItself) {
                                      std::span(frame.ranges).subspan(drawn.first_range, drawn.range_count)));
     }
     EXPECT_EQ(selection.hidden, 0U);
+    EXPECT_EQ(selection.front_hash, frame.front_hash);
   }
+}
+
+// The input itself, drawn from an eye that has moved since it was selected, in a view that was wider by as much. The
+// eye moves sideways by what covers a pixel at the distance of the nearest point of the box, or less.
+TEST(Selector, SlackHoldsForAnEyeThatHasMoved) {
+  constexpr int slack_px = 8;
+  const Hlod& hlod = planet(Grouping::shifted);
+  const PlacedHlod objects[] = {{&hlod}};
+  const Box& box = hlod.data().box;
+  const glm::dvec3 middle = glm::dvec3(box.min + box.max) / 2.0, half = glm::dvec3(box.max - box.min) / 2.0;
+  const auto lacks_something = [&](double slack) {
+    Selector selector(objects);
+    SoftwareDevice device;
+    Traverser truth(objects);
+    int lacking = 0;
+    for (int i = 0; i < 20; ++i) {
+      Camera camera;
+      camera.eye = middle + 3.0 * half.x * glm::dvec3(std::cos(0.3 * i), std::sin(0.3 * i), 0.3);
+      camera.target = middle;
+      camera.up = {0.0, 0.0, 1.0};
+      camera.width = camera.height = 120;
+      camera.fov_y_deg = 40.0;
+      camera.near = 0.01 * half.x;
+      camera.far = 100.0 * half.x;
+      Camera wide = camera;
+      wide.width = wide.height = camera.height + 2 * slack_px;
+      wide.fov_y_deg = glm::degrees(2.0 * std::atan(std::tan(glm::radians(20.0)) * wide.height / camera.height));
+      const Selection& selection = selector.select(View(wide), {.tolerance_px = 0.0, .slack_px = slack});
+      const double focal_px = View(camera).focal_length_px();
+      EXPECT_NEAR(View(wide).focal_length_px(), focal_px, 1e-6 * focal_px);
+      const double nearest = glm::length(camera.eye - middle) - glm::length(half);
+      const glm::dvec3 aside = glm::normalize(glm::cross(middle - camera.eye, camera.up));
+      const glm::dvec3 move = (i % 2 == 0 ? 1.0 : -1.0) * (slack_px - 1) * nearest / focal_px * aside;
+      camera.eye += move;
+      camera.target += move;
+      in_the_frustum(truth, View(camera), device, 0.0);
+      if (picture(selection, objects, View(camera)) != device.depth().nearness) ++lacking;
+    }
+    return lacking;
+  };
+  EXPECT_EQ(lacks_something(slack_px), 0);
+  EXPECT_GT(lacks_something(0.0), 0);
 }
 
 TEST(Selector, MovedObjectsAreSelectedWhereTheyAre) {

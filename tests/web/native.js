@@ -21,6 +21,17 @@ export function updates(mesh, cameras, budget, occlusion) {
   return JSON.parse(answer).frames;
 }
 
+// Fronts of an HLOD along cameras without occlusion: hash and number of triangles of each. `png`: pictures, at the end of
+// whose name the frame is told.
+export function fronts(ohlod, mesh, cameras, tolerancePx, png) {
+  const keys = cameras.map(({ fovY, ...camera }) => ({ up: [0, 1, 0], fov_y_deg: fovY ?? 45, near: 0.001, far: 100, ...camera }));
+  if (keys.length === 1) keys.push(keys[0]); // a path has two keys or more
+  const scene = { objects: [{ mesh: path.basename(mesh) }], cameras: { default: keys[0] }, paths: { test: { frames: keys.length, jump: true, keys } } };
+  fs.writeFileSync(path.join(folder, "fronts.json"), JSON.stringify(scene));
+  const answer = run("hlod", "render", ohlod, "--scene", "fronts.json", "--path", "test", "--strategy", "vfc", "--tolerance", String(tolerancePx), "--json", ...(png ? ["--png", png] : []));
+  return JSON.parse(answer).frames.map(({ hash, drawn_triangles }) => ({ hash, triangles: drawn_triangles }));
+}
+
 // Cameras around what `hierarchy` holds, a step of a hundredth of a turn from one to the next.
 export function around(hierarchy, count) {
   const { orthographicHeight, ...camera } = hierarchy.lookingAt({ width: 1024, height: 768 });

@@ -65,7 +65,7 @@ Placement grown(const Placement& placement, const Screen& screen, const ProxySpa
   for (int i = 0; i < 3; ++i)
     farthest_w += std::abs(glm::dot(glm::dvec3(w), placement.directions[i])) * placement.half[i];
   // At depth w, half a diagonal of a pixel measures growth_px * w in pixels of the target times depth.
-  const double growth = growth_px * screen.divisor * std::max(farthest_w, 0.0);
+  const double growth = (growth_px * screen.divisor + screen.slack_px) * std::max(farthest_w, 0.0);
   Placement result = placement;
   for (int i = 0; i < 3; ++i) {
     const bool round = placement.shape == ProxyShape::sphere || (placement.shape == ProxyShape::cylinder && i < 2);

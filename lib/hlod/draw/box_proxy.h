@@ -51,6 +51,7 @@ struct Screen {
   int width = 0;   // pixels
   int height = 0;  // pixels
   int divisor = 1;
+  double slack_px = 0.0;  // that bounds are grown by beyond what is needed
   double focal_length_px = 0.0;
   double depth_range = 0.0;  // world units, from the near to the far plane
   bool orthographic = false;

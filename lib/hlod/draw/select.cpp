@@ -52,6 +52,8 @@ class Selector::Impl {
 
   const Selection& select(const View& view, const SelectOptions& options) {
     OptionChecker("selection options").at_least("tolerance_px", options.tolerance_px, 0.0);
+    OptionChecker("selection options").at_least("slack_px", options.slack_px, 0.0);
+    software_.set_slack(options.slack_px);
     if (options.budget == 0)
       tell(traverse(view, options, options.tolerance_px), options.tolerance_px);
     else
@@ -65,6 +67,7 @@ class Selector::Impl {
     traverse.strategy = options.occlusion ? Strategy::coh : Strategy::vfc;
     traverse.tolerance_px = tolerance_px;
     traverse.geomorph = options.geomorph;
+    traverse.prefetch_frames = options.prefetch_frames;
     if (options.occlusion) return traverser_.draw_frame(view, software_, traverse);
     return traverser_.draw_frame(view, none_, traverse);
   }
@@ -120,6 +123,7 @@ class Selector::Impl {
     selection_.largest_error_px = frame.stats.largest_sse_px;
     selection_.hidden = frame.stats.hidden_nodes;
     selection_.missing = frame.stats.missing;
+    selection_.front_hash = frame.front_hash;
   }
 
   Traverser traverser_;

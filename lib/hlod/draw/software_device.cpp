@@ -10,6 +10,7 @@ class SoftwareDevice::Impl : public SoftwareDrawing {
 SoftwareDevice::SoftwareDevice(bool keep_items) : impl_(std::make_unique<Impl>(keep_items)) {}
 SoftwareDevice::~SoftwareDevice() = default;
 
+void SoftwareDevice::set_slack(double pixels) noexcept { impl_->set_slack(pixels); }
 std::string_view SoftwareDevice::name() const noexcept { return "software"; }
 void SoftwareDevice::begin_frame(const View& view, std::span<const PlacedHlod> objects) { impl_->begin(view, objects); }
 void SoftwareDevice::draw(const NodeDraw& draw) { impl_->draw(draw); }

@@ -29,6 +29,7 @@ class SoftwareDrawing {
   void begin(const View& view, std::span<const PlacedHlod> objects) {
     watch_.begin();
     screen_ = Screen(view);
+    screen_.slack_px = slack_px_;
     objects_.clear();
     for (const PlacedHlod& placed : objects) {
       const ObjectView object(view, placed.object_to_world);
@@ -40,6 +41,9 @@ class SoftwareDrawing {
     answers_.clear();
     work_ = {};
   }
+
+  // From the next frame on.
+  void set_slack(double pixels) noexcept { slack_px_ = pixels; }
 
   void draw(const NodeDraw& draw) {
     assert(draw.object < objects_.size() && draw.ranges.empty() != draw.cut.empty());
@@ -243,6 +247,7 @@ class SoftwareDrawing {
   }
 
   bool keep_items_;
+  double slack_px_ = 0.0;
   std::shared_ptr<NodeImages> images_;
   Screen screen_;
   std::vector<DrawnObject> objects_;

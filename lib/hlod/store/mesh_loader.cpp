@@ -201,6 +201,8 @@ void read_meshes(MeshSource& source, MeshLoad& load) {
     }
 }
 
+std::unique_ptr<LoadQueue> MeshSource::make_queue() { return std::make_unique<MeshLoader>(*this); }
+
 MeshLoader::MeshLoader(MeshSource& source) : source_(source), thread_([this] { run(); }) {}
 
 MeshLoader::~MeshLoader() {

@@ -28,6 +28,8 @@ struct StoredMesh {
   std::size_t bytes = 0;
 };
 
+class LoadQueue;
+
 // Only one thread at a time may call this, except for bytes_of() and stored().
 class MeshSource {
  public:
@@ -46,6 +48,9 @@ class MeshSource {
   virtual void read(NodeId first, std::span<const std::span<std::byte>> meshes) = 0;
   // Returns the mesh of node n, of bytes_of() bytes, from its stored bytes. Throws Error when they are damaged.
   [[nodiscard]] virtual MeshBytes unpack(NodeId n, MeshBytes stored) = 0;
+  // Returns what reads meshes while frames are drawn, and which this source must outlive: a thread, unless a source has
+  // another way.
+  [[nodiscard]] virtual std::unique_ptr<LoadQueue> make_queue();
 };
 
 // Decides which meshes of an HLOD are in memory, within a budget, and which are evicted for others. Reads nothing
@@ -146,24 +151,40 @@ void read_or_throw(MeshSource& source, MeshLoad& load);
 // Reads on the calling thread. Records problems in the load instead of throwing.
 void read_meshes(MeshSource& source, MeshLoad& load);
 
-class MeshLoader {
+// Takes loads, has them read, and gives them back.
+class LoadQueue {
+ public:
+  LoadQueue() = default;
+  LoadQueue(const LoadQueue&) = delete;
+  LoadQueue& operator=(const LoadQueue&) = delete;
+  // Must not be called when is_lost().
+  virtual ~LoadQueue() = default;
+
+  // True where nothing can be read any more: other functions throw Error.
+  [[nodiscard]] virtual bool is_lost() const noexcept = 0;
+  // Queues loads behind all earlier ones.
+  virtual void push(std::vector<MeshLoad> loads) = 0;
+  // Returns the loads that can still be taken back, in order, and forgets them.
+  [[nodiscard]] virtual std::vector<MeshLoad> withdraw() = 0;
+  // Appends the finished loads, in order. Waits until `out` has `least` loads or none is being read here.
+  virtual void collect(std::deque<MeshLoad>& out, std::size_t least = 0) = 0;
+};
+
+// Reads on a thread of its own.
+class MeshLoader final : public LoadQueue {
  public:
   // The source must outlive the loader.
   explicit MeshLoader(MeshSource& source);
-  // Waits for the load that is being read. Must not be called when is_lost().
-  ~MeshLoader();
-  MeshLoader(const MeshLoader&) = delete;
-  MeshLoader& operator=(const MeshLoader&) = delete;
+  // Waits for the load that is being read.
+  ~MeshLoader() override;
 
-  // True in a process that was forked since, which has no thread to read: other functions throw Error.
-  [[nodiscard]] bool is_lost() const noexcept { return began_.is_in_child(); }
+  // True in a process that was forked since, which has no thread to read.
+  [[nodiscard]] bool is_lost() const noexcept override { return began_.is_in_child(); }
 
-  // Queues loads behind all earlier ones.
-  void push(std::vector<MeshLoad> loads);
-  // Returns the loads that have not begun, in order, and forgets them.
-  [[nodiscard]] std::vector<MeshLoad> withdraw();
-  // Appends the finished loads, in order. Waits until `out` has `least` loads or none is left.
-  void collect(std::deque<MeshLoad>& out, std::size_t least = 0);
+  void push(std::vector<MeshLoad> loads) override;
+  // Returns the loads that have not begun.
+  [[nodiscard]] std::vector<MeshLoad> withdraw() override;
+  void collect(std::deque<MeshLoad>& out, std::size_t least = 0) override;
 
  private:
   void run();

@@ -21,7 +21,7 @@ using Urgency = NodeCache::Urgency;
 constexpr std::size_t max_read_bytes = std::size_t{1} << 20U;
 
 struct DeleteUnlessLost {
-  void operator()(MeshLoader* loader) const {
+  void operator()(LoadQueue* loader) const {
     if (!loader->is_lost()) delete loader;
   }
 };
@@ -36,7 +36,7 @@ class NodeStore::Impl {
     check_budget(options.budget_bytes);
     cache_.set_budget(options.budget_bytes);
     read_roots();
-    if (options.load != LoadMode::blocking) loader_.reset(new MeshLoader(*source_));
+    if (options.load != LoadMode::blocking) loader_.reset(source_->make_queue().release());
   }
 
   [[nodiscard]] const HlodView& view() const noexcept { return view_; }
@@ -291,7 +291,7 @@ class NodeStore::Impl {
       for (std::size_t i = 0; i < load.meshes.size(); ++i) cache_.release(load.first + static_cast<NodeId>(i));
   }
 
-  // Takes back all loads that have not begun, to plan them anew.
+  // Takes back the loads that can be, to plan them anew.
   void withdraw() { release(link_ ? link_->withdraw() : loader_->withdraw()); }
 
   // Plans what to read, in order_: no more than arrives in a few frames, so that more urgent nodes can come first then.
@@ -379,7 +379,7 @@ class NodeStore::Impl {
   std::vector<std::string> failures_;
   std::vector<NodeId> missing_, order_;  // scratch memory
   StoreStats stats_;
-  std::unique_ptr<MeshLoader, DeleteUnlessLost> loader_;  // destroyed first
+  std::unique_ptr<LoadQueue, DeleteUnlessLost> loader_;  // destroyed first
 };
 
 NodeStore::NodeStore(const HlodView& view, std::shared_ptr<const void> owner, std::unique_ptr<MeshSource> source,

@@ -220,14 +220,14 @@ struct Tables {
 };
 
 // Reads the tables. Throws Error.
-Tables read_tables(const std::shared_ptr<SectionReader>& reader) {
+Tables read_tables(const std::shared_ptr<SectionReader>& reader, bool with_images = true) {
   Tables tables;
   hlod::HlodView& view = tables.view;
   for_each_array(view, TableReader{*reader});
   take(reader->read_one<Summary>(summary_name, "summary"), *reader, view);
   if (reader->has(lattice_name)) view.lattice_step = reader->read_one<float>(lattice_name, "lattice step");
   view.origin = reader->read_origin();
-  tables.owner = std::make_shared<Owner>(Owner{reader, read_materials(*reader), {}, {}, {}});
+  tables.owner = std::make_shared<Owner>(Owner{reader, read_materials(*reader, with_images), {}, {}, {}});
   if (reader->header().version <= last_narrow_version) {
     tables.owner->nodes.assign(view.nodes.begin(), view.nodes.end());
     for (hlod::Node& node : tables.owner->nodes) node.box = node.lod_box;
@@ -391,9 +391,10 @@ std::unique_ptr<Unpacking> unpack_into(UninitializedVector<std::byte>& unpacked,
 // Reads meshes from an open file.
 class FileMeshes final : public hlod::MeshSource {
  public:
-  FileMeshes(std::shared_ptr<const InputFile> file, std::shared_ptr<const SectionReader> reader,
+  FileMeshes(std::shared_ptr<const ByteSource> file, MakeQueue make_queue, std::shared_ptr<const SectionReader> reader,
              const hlod::HlodView& view, std::span<const std::uint64_t> digests, std::optional<PackedNodes> packed)
       : file_(std::move(file)),
+        make_queue_(std::move(make_queue)),
         reader_(std::move(reader)),
         view_(view),
         digests_(digests),
@@ -443,6 +444,10 @@ class FileMeshes final : public hlod::MeshSource {
     return mesh;
   }
 
+  [[nodiscard]] std::unique_ptr<hlod::LoadQueue> make_queue() override {
+    return make_queue_ ? make_queue_(*this) : MeshSource::make_queue();
+  }
+
  private:
   // Returns the size of the mesh in memory without the image. The last one has no padding.
   [[nodiscard]] std::size_t mesh_bytes_of(hlod::NodeId n) const noexcept {
@@ -461,7 +466,8 @@ class FileMeshes final : public hlod::MeshSource {
       reader_->refuse(place, "is damaged: its checksum is wrong");
   }
 
-  std::shared_ptr<const InputFile> file_;
+  std::shared_ptr<const ByteSource> file_;
+  MakeQueue make_queue_;
   std::shared_ptr<const SectionReader> reader_;
   hlod::HlodView view_;
   std::span<const std::uint64_t> digests_;
@@ -511,15 +517,19 @@ OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access) {
 }
 
 OhlodFile open_ohlod(const std::filesystem::path& path, const hlod::CacheOptions& cache) {
-  const auto file = open_file(path);
-  const auto reader = std::make_shared<SectionReader>(file, path, file_kind);
-  const auto [view, owner, report, compression] = read_tables(reader);
+  return ohlod::open_ohlod(byte_source_of(open_file(path)), path, cache);
+}
+
+OhlodFile ohlod::open_ohlod(std::shared_ptr<const ByteSource> file, const std::filesystem::path& name,
+                            const hlod::CacheOptions& cache, MakeQueue make_queue) {
+  const auto reader = std::make_shared<SectionReader>(file, name, file_kind);
+  const auto [view, owner, report, compression] = read_tables(reader, make_queue == nullptr);
   std::optional<PackedNodes> packed;
   if (compression == OlodCompression::zstd)
     packed = read_packed(*reader, packed_meshes_name, mesh_places_name, view.nodes.size(),
                          [&view = view](hlod::NodeId n) { return mesh_extent(view, n); });
   const auto digests = check_nodes(*reader, view, packed ? packed->unpacked_bytes : reader->bytes_of(meshes_name));
-  auto source = std::make_unique<FileMeshes>(file, reader, view, digests, packed);
+  auto source = std::make_unique<FileMeshes>(std::move(file), std::move(make_queue), reader, view, digests, packed);
   return {paged_hlod(std::make_shared<hlod::NodeStore>(view, owner, std::move(source), cache)), report, compression,
           reader->header().version};
 }

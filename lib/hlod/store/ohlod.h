@@ -2,8 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
 #include <string_view>
 
+#include "base/byte_source.h"
+#include "hlod/store/mesh_loader.h"
 #include "mesh/section_file.h"
 #include "occlod/hlod.h"
 #include "occlod/node_store.h"
@@ -81,6 +86,14 @@ void for_each_within_array(View& view, const Visit& visit) {
   visit("WNOD", view.within, false);
   visit(splits_name, view.splits, true);
 }
+
+// Makes what reads the meshes of a source: see MeshSource::make_queue().
+using MakeQueue = std::function<std::unique_ptr<hlod::LoadQueue>(hlod::MeshSource& source)>;
+
+// Opens a file as the public open_ohlod() does; `name` stands for it in messages. With `make_queue`, which may be null
+// elsewhere, images in the file are not read: it is far away.
+[[nodiscard]] OhlodFile open_ohlod(std::shared_ptr<const ByteSource> file, const std::filesystem::path& name,
+                                   const hlod::CacheOptions& cache, MakeQueue make_queue = {});
 
 // Returns the XXH3-64 of the mesh of a node with padding for the next. The place of the mesh has been checked.
 [[nodiscard]] std::uint64_t digest_of_mesh(const hlod::HlodView& view, hlod::NodeId n);

@@ -125,6 +125,9 @@ class SoftwareDevice final : public RenderDevice {
   explicit SoftwareDevice(bool keep_items = false);
   ~SoftwareDevice() override;
 
+  // Grows the boxes that are asked about by further pixels, >= 0, from the next frame on.
+  void set_slack(double pixels) noexcept;
+
   [[nodiscard]] std::string_view name() const noexcept override;
   void begin_frame(const View& view, std::span<const PlacedHlod> objects) override;
   void draw(const NodeDraw& draw) override;

@@ -26,6 +26,10 @@ struct SelectOptions {
   // only what is outside the frustum.
   bool occlusion = true;
   bool geomorph = false;  // fills DrawRange::morph: see TraverseOptions::geomorph
+  // What would be seen if everything moved by so many pixels is not hidden either, >= 0: for renderers that draw a
+  // selection some frames after it was asked for. Such renderers also give a view that is wider by as many.
+  double slack_px = 0.0;
+  int prefetch_frames = 15;  // of HLODs with a store: see TraverseOptions::prefetch_frames
 
   friend bool operator==(const SelectOptions&, const SelectOptions&) = default;
 };
@@ -45,7 +49,8 @@ struct Selection {
   double tolerance_px = 0.0;        // that they were selected by: SelectOptions::tolerance_px, or what the budget needs
   double largest_error_px = 0.0;    // of a node; larger than the tolerance only where meshes or the budget are too few
   std::size_t hidden = 0;           // nodes that were left out, with all that is below them
-  std::size_t missing = 0;  // meshes that were not there, so that coarser ones are selected: NodeStore::missing()
+  std::size_t missing = 0;       // meshes that were not there, so that coarser ones are selected: NodeStore::missing()
+  std::uint64_t front_hash = 0;  // Frame::front_hash: equal when the same patches are selected
 };
 
 // Selects from frame to frame, and remembers what was visible and which tolerance the budget needed. One thread at a

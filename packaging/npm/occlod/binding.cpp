@@ -1,21 +1,17 @@
-// What index.js calls: a plain C interface to the library. Objects are pointers, which occlod_free_...() takes back.
-// A call that fails returns 0, and occlod_failure() its message; numbers of cameras and options pass through
-// occlod_numbers(). Arrays that a call returns stay as they are until the next call.
-#include <emscripten.h>
+// What index.js calls: meshes, hierarchies and their refinement.
+#include "binding.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <memory>
-#include <new>
 #include <optional>
 #include <span>
 #include <string>
@@ -35,11 +31,6 @@ EM_JS(bool, report_progress, (double done), { return Module.occlodProgress(done)
 namespace occlod::web {
 namespace {
 
-struct Bytes {
-  const void* data = nullptr;
-  std::size_t size = 0;
-};
-
 struct StoredHierarchy {
   Hierarchy hierarchy;
   MeshReport report;  // on the mesh, for .olod files
@@ -55,31 +46,7 @@ struct RefinerState {
   const Refinement* last = nullptr;
 };
 
-std::string failure, text;
-std::array<double, 40> numbers;
-Bytes result;
-std::vector<std::uint8_t> kept;  // what `result` may point to
-ItemBuffer items;                // of occlod_seen()
-
-// Returns call(), or nothing after an exception, which becomes `failure`.
-template <typename Call>
-auto guarded(const Call& call) -> decltype(call()) {
-  failure.clear();
-  try {
-    return call();
-  } catch (const std::bad_alloc&) {
-    failure = "memory: not enough for this; dispose of what is no longer needed, or use a smaller mesh";
-  } catch (const std::exception& error) {
-    failure = error.what();
-  }
-  return {};
-}
-
-template <typename Element>
-const Bytes* bytes_of(std::span<const Element> elements) {
-  result = {elements.data(), elements.size_bytes()};
-  return &result;
-}
+ItemBuffer items;  // of occlod_seen()
 
 // Meshes are read from and written to a folder in memory, which is empty between calls.
 const std::filesystem::path& folder() {
@@ -119,26 +86,6 @@ void embed_images(TriangleMesh& mesh) {
   }
 }
 
-// numbers: 0, eye, target, up, field of view, width, height, near, far, orthographic height or NaN;
-// or 1, world to eye, eye to clip, width, height, ClipDepth.
-View view_of_numbers() {
-  const double* n = numbers.data();
-  if (n[0] != 0.0)
-    return view_of(glm::make_mat4(n + 1), glm::make_mat4(n + 17), static_cast<int>(n[33]), static_cast<int>(n[34]),
-                   static_cast<ClipDepth>(static_cast<int>(n[35])));
-  Camera camera;
-  camera.eye = glm::make_vec3(n + 1);
-  camera.target = glm::make_vec3(n + 4);
-  camera.up = glm::make_vec3(n + 7);
-  camera.fov_y_deg = n[10];
-  camera.width = static_cast<int>(n[11]);
-  camera.height = static_cast<int>(n[12]);
-  camera.near = n[13];
-  camera.far = n[14];
-  if (!std::isnan(n[15])) camera.orthographic_height = n[15];
-  return View(camera);
-}
-
 bool faces_eye(const Triangle& t, std::span<const glm::vec3> positions, const glm::vec3& eye) {
   const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
   return glm::dot(glm::cross(b - a, c - a), eye - a) > 0.0F;
@@ -158,10 +105,6 @@ using namespace occlod;
 using namespace occlod::web;
 
 extern "C" {
-
-EMSCRIPTEN_KEEPALIVE const char* occlod_version() { return version(); }
-EMSCRIPTEN_KEEPALIVE const char* occlod_failure() { return failure.c_str(); }
-EMSCRIPTEN_KEEPALIVE double* occlod_numbers() { return numbers.data(); }
 
 // Puts a file where occlod_read_mesh() looks for it. The name has no folders.
 EMSCRIPTEN_KEEPALIVE bool occlod_add_file(const char* name, const char* bytes, std::size_t size) {

@@ -1,0 +1,147 @@
+// What three_test.js calls in the browser: a scene with one .ohlod, drawn in one flat colour over another, so that pixels
+// without surface can be counted.
+import * as three from "three";
+import { Ohlod } from "@occlod/three";
+
+const renderer = new three.WebGLRenderer({ antialias: false, preserveDrawingBuffer: true });
+renderer.setSize(innerWidth, innerHeight);
+document.body.append(renderer.domElement);
+const background = new three.Color(1, 0, 1);
+const scene = new three.Scene();
+scene.background = background;
+const camera = new three.PerspectiveCamera(45, innerWidth / innerHeight, 0.001, 100);
+let ohlod;
+let opened; // when
+
+const frame = () => new Promise(requestAnimationFrame);
+
+function place({ eye, target, up = [0, 1, 0], fovY = 45, near = 0.001, far = 100 }) {
+  Object.assign(camera, { fov: fovY, near, far });
+  camera.up.set(...up);
+  camera.position.set(...eye);
+  camera.lookAt(...target);
+  camera.updateProjectionMatrix();
+}
+
+// Where there is no surface: 1 for each such pixel.
+function empty() {
+  const gl = renderer.getContext();
+  const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+  const rgba = new Uint8Array(4 * width * height);
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, rgba);
+  const mask = new Uint8Array(width * height);
+  for (let i = 0; i < mask.length; ++i) mask[i] = rgba[4 * i] > 250 && rgba[4 * i + 1] < 5 && rgba[4 * i + 2] > 250;
+  return { width, height, mask };
+}
+
+// Pixels without surface that those at the border of the picture do not reach by steps across edges.
+function holes({ width, height, mask }) {
+  const left = mask.slice();
+  const stack = [];
+  const reach = (x, y) => {
+    if (x < 0 || y < 0 || x >= width || y >= height || !left[y * width + x]) return;
+    left[y * width + x] = 0;
+    stack.push(x, y);
+  };
+  for (let x = 0; x < width; ++x) [0, height - 1].forEach((y) => reach(x, y));
+  for (let y = 0; y < height; ++y) [0, width - 1].forEach((x) => reach(x, y));
+  while (stack.length) {
+    const [y, x] = [stack.pop(), stack.pop()];
+    reach(x - 1, y), reach(x + 1, y), reach(x, y - 1), reach(x, y + 1);
+  }
+  return left.reduce((sum, is) => sum + is, 0);
+}
+
+const count = (mask) => mask.reduce((sum, is) => sum + is, 0);
+
+window.page = {
+  failures: [],
+
+  open(url, options, at) {
+    ohlod?.dispose();
+    page.failures = [];
+    opened = performance.now();
+    ohlod = new Ohlod(url, { ...options, material: new three.MeshBasicMaterial({ color: 0x406080, side: three.DoubleSide }) });
+    ohlod.addEventListener("failure", ({ message }) => page.failures.push(message));
+    scene.add(ohlod);
+    place(at);
+    return ohlod.ready.then(() => ohlod.facts);
+  },
+
+  set(options) {
+    Object.assign(ohlod, options);
+  },
+
+  // Draws frames until something is seen. Returns the ms since open().
+  async first() {
+    for (;;) {
+      ohlod.update(camera, renderer);
+      renderer.render(scene, camera);
+      if (ohlod.stats.triangles > 0 && count(empty().mask) < empty().mask.length) return performance.now() - opened;
+      await frame();
+    }
+  },
+
+  // Draws frames until all has come.
+  async look(at) {
+    place(at);
+    let isSettled = false;
+    const begin = performance.now();
+    do {
+      ohlod.update(camera, renderer);
+      ohlod.settled().then(() => (isSettled = true), () => {});
+      await frame();
+      if (performance.now() - begin > 60000) throw new Error(`has not settled: ${JSON.stringify(ohlod.stats)}`);
+    } while (!isSettled);
+    if (page.failures.some((line) => line.startsWith("view"))) throw new Error(page.failures.join());
+    renderer.render(scene, camera);
+    const seen = empty();
+    return { stats: ohlod.stats, empty: count(seen.mask), holes: holes(seen), pixels: seen.mask.length, drawn: renderer.info.render.triangles };
+  },
+
+  // One frame for each camera, whatever has come. Returns the most of each that any frame had. Pictures are drawn of what was
+  // selected for the camera before: one frame late, however slow the machine. Without pictures frames follow each other as
+  // fast as timers do.
+  async fly(cameras, { picture = true } = {}) {
+    const most = { memoryBytes: 0, empty: 0, holes: 0, triangles: 0 };
+    for (const at of cameras) {
+      place(at);
+      if (picture) {
+        renderer.render(scene, camera);
+        const seen = empty();
+        most.empty = Math.max(most.empty, count(seen.mask));
+        most.holes = Math.max(most.holes, holes(seen));
+      }
+      do {
+        ohlod.update(camera, renderer);
+        if (picture) await frame();
+      } while (picture && ohlod.isBehind);
+      const { memoryBytes, triangles } = ohlod.stats;
+      most.memoryBytes = Math.max(most.memoryBytes, memoryBytes);
+      most.triangles = Math.max(most.triangles, triangles);
+      if (!picture) await new Promise((done) => setTimeout(done));
+    }
+    return most;
+  },
+
+  // Base 64, a bit for each pixel, from the top left.
+  mask() {
+    const { width, height, mask } = empty();
+    const bits = new Uint8Array(Math.ceil((width * height) / 8));
+    for (let y = 0; y < height; ++y)
+      for (let x = 0; x < width; ++x) if (mask[(height - 1 - y) * width + x]) bits[(y * width + x) >> 3] |= 128 >> ((y * width + x) & 7);
+    let text = "";
+    for (const byte of bits) text += String.fromCharCode(byte);
+    return btoa(text);
+  },
+
+  hideOne() {
+    const drawn = ohlod.children.filter((mesh) => mesh.visible);
+    drawn.sort((a, b) => b.geometry.drawRange.count - a.geometry.drawRange.count)[0].visible = false;
+    renderer.render(scene, camera);
+    const seen = empty();
+    return { empty: count(seen.mask), holes: holes(seen) };
+  },
+
+  stats: () => ohlod.stats,
+};

@@ -1,0 +1,216 @@
+// @occlod/three in headless Chromium, over a simulated link of 20 MB/s and 50 ms. OCCLOD_OHLOD: a file of a planet to measure
+// in place of the one that is built here, such as one of ten million triangles.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import fs from "node:fs";
+import path from "node:path";
+import test, { after, before } from "node:test";
+import zlib from "node:zlib";
+import puppeteer from "puppeteer-core";
+
+import { folder, fronts, run } from "./native.js";
+import { serve } from "./range_server.js";
+
+const here = process.cwd();
+const pictures = process.env.OCCLOD_PICTURES ?? folder;
+const [width, height] = [800, 600];
+const planet = path.join(folder, "planet.ply");
+const ohlod = process.env.OCCLOD_OHLOD ? path.resolve(process.env.OCCLOD_OHLOD) : path.join(folder, "planet.ohlod");
+const link = { bytesPerSecond: 20e6, latencyMs: 50 };
+const memory = 256 * 2 ** 20;
+let server;
+let browser;
+let page;
+const complaints = [];
+
+before(async () => {
+  run("generate", "rough-planet", "level=8", "-o", planet);
+  if (!process.env.OCCLOD_OHLOD) run("hlod", "build", planet, "-o", ohlod);
+  // The package and its WebAssembly come over the link, too; three.js and the page do not.
+  const occlod = path.join(here, "node_modules", "occlod");
+  server = await serve({ folders: { modules: path.join(here, "node_modules"), page: here }, slow: { data: path.dirname(ohlod), occlod }, ...link });
+  browser = await puppeteer.launch({
+    executablePath: process.env.CHROMIUM,
+    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--force-device-scale-factor=1"],
+    protocolTimeout: 1200000,
+  });
+});
+
+after(async () => {
+  await browser?.close();
+  server?.close();
+});
+
+async function openPage() {
+  await page?.close();
+  page = await browser.newPage();
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("console", (message) => message.type() === "error" && !message.text().includes("Failed to load resource") && complaints.push(message.text()));
+  await page.setViewport({ width, height });
+  await page.goto(`${server.url}/page/three_page.html`);
+  await page.waitForFunction(() => window.page);
+}
+
+const outside = (angle, distance) => ({ eye: [distance * Math.sin(angle), 0.4, distance * Math.cos(angle)], target: [0, 0, 0] });
+const inside = (angle) => ({ eye: [0.5 * Math.sin(angle), 0, 0.5 * Math.cos(angle)], target: [0.2, 1, 0.4], fovY: 70 });
+const open = (options, at) => page.evaluate((...given) => window.page.open(...given), `${server.url}/data/${path.basename(ohlod)}`, { memory, wasm: `${server.url}/occlod/wasm/hlod.wasm`, ...options }, at);
+const look = (at) => page.evaluate((at) => window.page.look(at), at);
+const fly = (cameras, options) => page.evaluate((...given) => window.page.fly(...given), cameras, options);
+const faultless = () => (server.link.fault = () => undefined);
+
+test("the first picture is there within a second, and the fine one is native's", async (context) => {
+  await openPage();
+  await open({ occlusion: false }, outside(0, 2.6));
+  const ms = await page.evaluate(() => window.page.first());
+  const early = await page.evaluate(() => window.page.stats());
+  await page.screenshot({ path: path.join(pictures, "three_first.png") });
+  const begin = Date.now();
+  const at = { ...outside(0, 2.6), width, height };
+  const seen = await look(at);
+  await page.screenshot({ path: path.join(pictures, "three_fine.png") });
+  context.diagnostic(`first picture ${ms.toFixed(0)} ms, ${early.bytesLoaded} bytes; ${seen.stats.triangles} triangles at 1 px after ${Date.now() - begin} ms more, ${seen.stats.bytesLoaded} bytes`);
+  assert.ok(ms < 1000, `${ms} ms`);
+  assert.ok(seen.stats.largestErrorPx <= 1 && seen.stats.missing === 0);
+  assert.equal(seen.drawn, seen.stats.triangles);
+  assert.equal(seen.holes, 0);
+});
+
+test("no pixel lacks surface where native's picture has it, along a path outside and inside", async () => {
+  await openPage();
+  await open({ occlusion: true, tolerancePx: 2 }, outside(0, 2.6));
+  for (let i = 0; i < 12; ++i) {
+    const seen = await look(outside(0.5 * i, 2.6 - 0.1 * i));
+    assert.equal(seen.holes, 0, `frame ${i}`);
+    assert.ok(seen.empty < 0.9 * seen.pixels);
+  }
+  for (let i = 0; i < 6; ++i) assert.equal((await look(inside(i))).empty, 0, `inside, frame ${i}`);
+  // The count is one of cracks: a node that is left out is found, from both sides.
+  assert.ok((await page.evaluate(() => window.page.hideOne())).empty > 0);
+  await look(outside(0, 2));
+  assert.ok((await page.evaluate(() => window.page.hideOne())).holes > 0);
+});
+
+test("while the camera moves and nodes come, no picture has a hole", async () => {
+  await openPage();
+  await open({ tolerancePx: 2 }, outside(0, 2.6));
+  await page.evaluate(() => window.page.first());
+  const near = await fly(Array.from({ length: 60 }, (_, i) => outside(0.01 * i, 2.6 - 0.02 * i)));
+  assert.equal(near.holes, 0);
+  const within = await fly(Array.from({ length: 30 }, (_, i) => inside(0.01 * i)));
+  await look(inside(1));
+  const slow = await fly(Array.from({ length: 60 }, (_, i) => inside(1 + 0.005 * i)));
+  assert.equal(slow.empty, 0);
+  assert.ok(within.triangles > 0);
+});
+
+// Decodes a picture by the browser itself.
+async function backgroundOf(file) {
+  const base64 = fs.readFileSync(file).toString("base64");
+  return page.evaluate(async (base64) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${base64}`;
+    await image.decode();
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [image.width, image.height];
+    const context = canvas.getContext("2d");
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, image.width, image.height);
+    // The sky of each row is that of its first pixel.
+    return Array.from({ length: data.length / 4 }, (_, i) => {
+      const first = 4 * (i - (i % image.width));
+      return Number([0, 1, 2].every((k) => Math.abs(data[4 * i + k] - data[first + k]) <= 2));
+    });
+  }, base64);
+}
+
+test("the outline is native's, but for pixels at its border", async () => {
+  await openPage();
+  await open({ tolerancePx: 1, occlusion: true, slackPx: 0 }, outside(0, 2.6));
+  const cameras = [outside(0, 3.2), outside(2, 2.8)];
+  const native = fronts(ohlod, planet, cameras.map((camera) => ({ ...camera, width, height })), 1, path.join(folder, "native.png"));
+  for (const [i, camera] of cameras.entries()) {
+    await look(camera);
+    const bits = Buffer.from(await page.evaluate(() => window.page.mask()), "base64");
+    const sky = await backgroundOf(path.join(folder, `native_0000${i}.png`));
+    const isWeb = (x, y) => (bits[(y * width + x) >> 3] >> (7 - ((y * width + x) & 7))) & 1;
+    const around = (x, y, value) => [-2, -1, 0, 1, 2].every((dy) => [-2, -1, 0, 1, 2].every((dx) => sky[(y + dy) * width + x + dx] === value));
+    let [lacking, extra, surface] = [0, 0, 0];
+    for (let y = 2; y < height - 2; ++y)
+      for (let x = 2; x < width - 2; ++x) {
+        surface += !sky[y * width + x];
+        lacking += isWeb(x, y) && around(x, y, 0);
+        extra += !isWeb(x, y) && around(x, y, 1);
+      }
+    assert.ok(surface > 100000 && native[i].triangles > 0);
+    assert.deepEqual([lacking, extra], [0, 0], `camera ${i}`);
+  }
+});
+
+test("memory stays within its limit over 10,000 frames, and pictures stay whole", async (context) => {
+  await openPage();
+  const limit = 48 * 2 ** 20;
+  await open({ memory: limit, tolerancePx: 1 }, outside(0, 2.6));
+  await page.evaluate(() => window.page.first());
+  const most = { memoryBytes: 0, triangles: 0 };
+  const begin = Date.now();
+  for (let part = 0; part < 10; ++part) {
+    // Around, and a jump to the other side every hundred frames.
+    const cameras = Array.from({ length: 1000 }, (_, i) => outside(0.01 * i + Math.PI * Math.floor(i / 100) + part, 1.25 + 0.9 * ((i * 7) % 100) / 100));
+    const seen = await fly(cameras, { picture: false });
+    for (const key of Object.keys(most)) most[key] = Math.max(most[key], seen[key]);
+  }
+  const stats = await page.evaluate(() => window.page.stats());
+  context.diagnostic(`at most ${most.memoryBytes} of ${limit} bytes, ${most.triangles} triangles; ${stats.bytesLoaded} bytes loaded, ${stats.requests} requests, ${stats.cancelled} cancelled, in ${Date.now() - begin} ms`);
+  assert.ok(most.memoryBytes <= limit && most.memoryBytes > 0.2 * limit, `${most.memoryBytes}`);
+  assert.equal((await look(outside(1, 2.2))).holes, 0);
+});
+
+test("lost and slow answers are asked for again; a damaged file leaves a coarser picture and lines", async () => {
+  await openPage();
+  server.link.fault = ({ number, file }) => (file === ohlod ? [undefined, "drop", undefined, "stall", 503][number % 5] : undefined);
+  await open({ stallMs: 500, occlusion: false }, outside(0, 2.4));
+  const seen = await look(outside(0, 2.4));
+  faultless();
+  assert.ok(seen.stats.lost >= 3 && seen.stats.failed === 0 && seen.stats.largestErrorPx <= 1, JSON.stringify(seen.stats));
+  assert.equal(seen.holes, 0);
+
+  const bytes = fs.openSync(ohlod, "r");
+  server.link.fault = ({ number, file, begin, end }) => {
+    if (file !== ohlod || begin < 65536 || number % 3) return undefined;
+    const part = Buffer.alloc(end - begin);
+    fs.readSync(bytes, part, 0, part.length, begin);
+    part[100] ^= 255;
+    return part;
+  };
+  await openPage();
+  let isOpen = false;
+  while (!isOpen) isOpen = await open({ occlusion: false }, outside(0, 2.4)).then(() => true, () => false); // tables may come damaged
+  const coarse = await look(outside(0, 2.4));
+  const failures = await page.evaluate(() => window.page.failures);
+  faultless();
+  fs.closeSync(bytes);
+  assert.equal(coarse.holes, 0);
+  assert.ok(coarse.stats.triangles > 0 && coarse.stats.triangles < seen.stats.triangles && coarse.stats.failed > 0, JSON.stringify(coarse.stats));
+  assert.ok(failures.length === coarse.stats.failed && failures.every((line) => /^.*\.ohlod: node \d+: is damaged: .*; /.test(line)), failures[0]);
+});
+
+test("a budget is kept, and geomorphs have no holes", async () => {
+  await openPage();
+  await open({ budget: 20000, tolerancePx: 0 }, outside(0, 2));
+  const seen = await look(outside(0, 2));
+  assert.ok(seen.drawn <= 20000 && seen.drawn > 10000, String(seen.drawn));
+  await open({ geomorph: true, tolerancePx: 4 }, outside(0, 2.6));
+  for (let i = 0; i < 6; ++i) assert.equal((await look(outside(0, 2.6 - 0.1 * i))).holes, 0);
+  assert.deepEqual(complaints, []);
+});
+
+test("TypeScript's compiler accepts the examples of @occlod/three", () => {
+  execFileSync("node_modules/.bin/tsc", ["--noEmit", "--strict", "--skipLibCheck", "--target", "es2022", "--module", "nodenext", "--lib", "es2023,dom", "three_example.ts"], { stdio: "pipe", encoding: "utf8" });
+});
+
+test("the package is small", (context) => {
+  const files = ["index.js", "stream.js", "worker.js"];
+  const bytes = files.map((file) => zlib.gzipSync(fs.readFileSync(path.join("node_modules/@occlod/three", file)), { level: 9 }).length).reduce((a, b) => a + b);
+  context.diagnostic(`${bytes} bytes, compressed, beside three.js and occlod`);
+  assert.ok(bytes < 20000);
+});
