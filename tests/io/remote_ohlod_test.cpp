@@ -161,7 +161,9 @@ TEST_P(RemoteOhlodTest, DamageIsHealedOnceAndThenOneLine) {
     EXPECT_EQ(hlod.is_resident(victim), heals);
     const std::vector<std::string> lines = hlod.store()->take_failures();
     ASSERT_EQ(lines.size(), heals ? 0U : 1U);
-    if (!heals) EXPECT_TRUE(lines[0].starts_with("far.ohlod: node " + std::to_string(victim) + ": is damaged"));
+    if (!heals) {
+      EXPECT_TRUE(lines[0].starts_with("far.ohlod: node " + std::to_string(victim) + ": is damaged"));
+    }
     EXPECT_EQ(hlod.store()->stats().resident_nodes == built_.node_count(), heals);
   }
 }

@@ -458,7 +458,7 @@ class FileMeshes final : public hlod::MeshSource {
   void read_image(hlod::NodeId n, std::span<std::byte> image) {
     const std::string place = fmt::format("image of node {}", n);
     try {
-      file_->read(image, images_place_ + view_.node_images[n].place);
+      file_->read({&image, 1}, images_place_ + view_.node_images[n].place);
     } catch (const std::system_error& error) {
       reader_->refuse(place, fmt::format("cannot be read: {}", error.code().message()), "check that the file is whole");
     }

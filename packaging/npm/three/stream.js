@@ -26,10 +26,10 @@ export class HlodStream {
   /** Bytes that have come, and requests that were made, lost or cancelled. */
   counts = { bytes: 0, requests: 0, lost: 0, cancelled: 0 };
 
-  /** `onArrival` is called whenever something has come that the next select() can use. */
-  constructor(url, { memory, requests = 6, stallMs = 4000, fetchOptions = {}, onArrival = () => {} }) {
+  /** `onArrival` is called whenever something has come that the next select() can use. `ready`: of the WebAssembly. */
+  constructor(url, { memory, ready, requests = 6, stallMs = 4000, fetchOptions = {}, onArrival = () => {} }) {
     this.#url = String(url);
-    this.#options = { memory, requests, stallMs, fetchOptions, onArrival };
+    this.#options = { memory, ready, requests, stallMs, fetchOptions, onArrival };
   }
 
   get hlod() {
@@ -47,7 +47,7 @@ export class HlodStream {
 
   /** Resolves with an open Hlod. */
   async open() {
-    const head = await this.#insist(0, firstBytes);
+    const [head] = await Promise.all([this.#insist(0, firstBytes), this.#options.ready]);
     this.#hlod = new Hlod(this.name, head.size);
     this.#hlod.put(0, head.bytes);
     for (let missing; (missing = this.#hlod.open({ memory: this.#options.memory })).length; ) {

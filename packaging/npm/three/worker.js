@@ -9,8 +9,7 @@ let arrays; // that meshes need
 const held = new Set(); // nodes whose meshes the other side has
 
 async function open({ url, wasm, ...options }) {
-  await ready({ wasm });
-  stream = new HlodStream(url, { ...options, onArrival: () => postMessage({ arrived: true }) });
+  stream = new HlodStream(url, { ...options, ready: ready({ wasm }), onArrival: () => postMessage({ arrived: true }) });
   const hlod = await stream.open();
   const { triangleCount, nodeCount, box, origin, up, hasNormals, hasColors } = hlod;
   arrays = ["positions", "indices", ...(hasNormals ? ["normals"] : []), ...(hasColors ? ["colors"] : []), ...(options.geomorph ? ["slides"] : [])];
