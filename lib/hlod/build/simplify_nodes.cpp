@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cassert>
 #include <limits>
 #include <utility>
 
@@ -128,9 +129,26 @@ class NodeSimplifier::Worker {
     copy(from.normals, input_.normals);
     copy(from.colors, input_.colors);
     copy(from.texture_coordinates, input_.texture_coordinates);
-    if (all_.mesh_.wedge_materials.empty()) return;
+    if (!from.wedge_features.empty()) return number_kinds();
+    if (from.wedge_materials.empty()) return;
     for (const Triangle& t : input_.wedge_triangles())
-      input_.triangle_materials.push_back(all_.mesh_.wedge_materials[wedges_[t.x]]);
+      input_.triangle_materials.push_back(from.wedge_materials[wedges_[t.x]]);
+  }
+
+  // Gives each pair of a material and a feature a material of its own, so that features keep apart as materials do.
+  void number_kinds() {
+    const auto kind_of = [&](const Triangle& t) {
+      return std::pair(all_.mesh_.material_of(wedges_[t.x]), all_.mesh_.feature_of(wedges_[t.x]));
+    };
+    kinds_.clear();
+    for (const Triangle& t : input_.wedge_triangles())
+      if (const auto kind = kind_of(t); kinds_.empty() || kinds_.back() != kind) kinds_.push_back(kind);
+    std::sort(kinds_.begin(), kinds_.end());
+    kinds_.erase(std::unique(kinds_.begin(), kinds_.end()), kinds_.end());
+    assert(kinds_.size() <= std::numeric_limits<MaterialId>::max());  // nodes have fewer triangles
+    for (const Triangle& t : input_.wedge_triangles())
+      input_.triangle_materials.push_back(
+          static_cast<MaterialId>(std::lower_bound(kinds_.begin(), kinds_.end(), kind_of(t)) - kinds_.begin()));
   }
 
   [[nodiscard]] SimplifiedGroup simplify(float max_cost, std::size_t min_triangles) const {
@@ -271,6 +289,7 @@ class NodeSimplifier::Worker {
   TriangleMesh input_;
   std::vector<WedgeId> wedges_;  // by local number, after simplification with those added
   std::vector<std::uint8_t> locked_, used_;
+  std::vector<std::pair<MaterialId, FeatureId>> kinds_;              // of triangles, in order
   std::vector<std::array<std::uint32_t, 3>> left_;                   // the remaining triangles, in order
   std::vector<std::pair<std::uint32_t, std::uint32_t>> left_edges_;  // of them, in order
   std::vector<GrownBox> grown_;                                      // by local vertex

@@ -68,7 +68,8 @@ HlodView view_of(const HlodData& data) {
           data.texture_origin,
           data.lattice_step,
           data.origin,
-          data.up};
+          data.up,
+          view_of(data.features)};
 }
 
 Hlod make_hlod(HlodData data) {
@@ -101,7 +102,8 @@ HlodData copy_data(const Hlod& hlod) {
           view.texture_origin,
           view.lattice_step,
           view.origin,
-          view.up};
+          view.up,
+          copy_of(view.features)};
 }
 
 Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner, std::shared_ptr<NodeGuard> guard) {
@@ -169,7 +171,7 @@ NodeSplits Hlod::within(NodeId n) const noexcept {
 std::size_t Hlod::bytes() const noexcept {
   return view_.nodes.size_bytes() + view_.patches.size_bytes() + view_.children.size_bytes() +
          view_.roots.size_bytes() + view_.levels.size_bytes() + view_.meshes.size_bytes() + view_.within.size_bytes() +
-         view_.splits.size_bytes();
+         view_.splits.size_bytes() + view_.features.runs.size_bytes() + view_.features.first_run.size_bytes();
 }
 
 }  // namespace occlod::hlod

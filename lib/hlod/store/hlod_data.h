@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/memory.h"
+#include "hlod/store/features.h"
 #include "occlod/hlod.h"
 
 namespace occlod::hlod {
@@ -39,6 +40,7 @@ struct HlodData {
   float lattice_step = 0.0F;
   glm::dvec3 origin{0.0};
   UpAxis up = UpAxis::z;
+  FeatureData features;
 };
 
 [[nodiscard]] HlodView view_of(const HlodData& data);

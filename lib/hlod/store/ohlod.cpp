@@ -14,6 +14,7 @@
 
 #include "base/memory.h"
 #include "base/platform.h"
+#include "hlod/store/features.h"
 #include "hlod/store/hlod_data.h"
 #include "hlod/store/mesh_loader.h"
 #include "hlod/store/node_codec.h"
@@ -134,6 +135,8 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
   }
   MaterialSections materials;
   if (needs_wedges(view) || view.up != UpAxis::z) materials.add(view, writer, {image_folder, folder_of(path)});
+  hlod::FeatureSections features;
+  features.add(view.features, writer);
   FileKind kind = file_kind;
   kind.version = is_packed ? packed_version : needs_wedges(view) ? wedges_version : plain_version;
   if (writer.add_origin(view.origin)) kind.version = ohlod_version;
@@ -151,6 +154,7 @@ struct Owner {
   Materials materials;
   UninitializedVector<std::byte> meshes, splits;  // in a packed file: those of each node, once checked
   std::vector<hlod::Node> nodes;                  // of an old file, with boxes that hold everything
+  std::vector<std::string> feature_names;
 };
 
 void take(const Summary& summary, const SectionReader& reader, hlod::HlodView& view) {
@@ -194,7 +198,7 @@ Tables read_tables(const std::shared_ptr<SectionReader>& reader) {
   take(reader->read_one<Summary>(summary_name, "summary"), *reader, view);
   if (reader->has(lattice_name)) view.lattice_step = reader->read_one<float>(lattice_name, "lattice step");
   view.origin = reader->read_origin();
-  tables.owner = std::make_shared<Owner>(Owner{reader, read_materials(*reader), {}, {}, {}});
+  tables.owner = std::make_shared<Owner>(Owner{reader, read_materials(*reader), {}, {}, {}, {}});
   if (reader->header().version <= last_narrow_version) {
     tables.owner->nodes.assign(view.nodes.begin(), view.nodes.end());
     for (hlod::Node& node : tables.owner->nodes) node.box = node.lod_box;
@@ -204,6 +208,7 @@ Tables read_tables(const std::shared_ptr<SectionReader>& reader) {
   view.textures = tables.owner->materials.textures;
   view.texture_origin = tables.owner->materials.origin;
   view.up = tables.owner->materials.up;
+  view.features = hlod::read_features(*reader, tables.owner->feature_names);
   tables.report = reader->read_report();
   if (reader->has(packed_meshes_name)) tables.compression = OlodCompression::zstd;
   return tables;
