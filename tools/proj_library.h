@@ -14,7 +14,8 @@ struct ProjLibrary {
 // NOLINTNEXTLINE(cppcoreguidelines-macro-usage): each name once
 #define OCCLOD_PROJ_FUNCTIONS(X)                                                                                   \
   X(clone)                                                                                                         \
-  X(context_create) X(context_destroy) X(context_get_database_path) X(coord) X(coordoperation_get_accuracy)        \
+  X(context_create)                                                                                                \
+  X(context_destroy) X(context_get_database_path) X(coord) X(coordoperation_get_accuracy)                          \
       X(coordoperation_get_grid_used) X(coordoperation_get_grid_used_count) X(create) X(create_crs_to_crs_from_pj) \
           X(create_operation_factory_context) X(create_operations) X(crs_get_coordinate_system) X(crs_get_sub_crs) \
               X(cs_get_axis_count) X(cs_get_axis_info) X(destroy) X(get_area_of_use) X(get_name) X(get_source_crs) \

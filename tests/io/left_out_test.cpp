@@ -133,8 +133,7 @@ TEST_F(LeftOutTest, OfGltf) {
           "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
           "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri":
             "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
-  EXPECT_EQ(counts("a.gltf", text),
-            named({{"TEXCOORD_1", 6}, {"COLOR_1", 6}, {"textures without an image", 1}}));
+  EXPECT_EQ(counts("a.gltf", text), named({{"TEXCOORD_1", 6}, {"COLOR_1", 6}, {"textures without an image", 1}}));
 }
 
 // What grep counts: vt lines that no face names.
