@@ -42,7 +42,7 @@ if(OCCLOD_BUILD_TOOLS AND OCCLOD_WITH_SERVER)
   find_package(Boost 1.70 REQUIRED)  # Asio and Beast, which are headers
 endif()
 if(OCCLOD_BUILD_TOOLS AND OCCLOD_WITH_PROJ)
-  find_package(PROJ 9.1 CONFIG REQUIRED)
+  find_path(OCCLOD_PROJ_INCLUDE_DIR proj.h REQUIRED)
 endif()
 if(OCCLOD_BUILD_VIEWER)
   find_package(glfw3 REQUIRED)

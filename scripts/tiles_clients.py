@@ -2,8 +2,10 @@
 """Tilesets in other people's programs; called by scripts/check_tiles.sh, which says what it does.
 tiles_clients.py --occlod FILE --modules FOLDER --out FOLDER SCENE.json [--paths NAME,...] [--frames N] [--error PX] [--size WxH]"""
 import argparse
+import base64
 import json
 import pathlib
+import struct
 import subprocess
 import sys
 
@@ -101,7 +103,7 @@ class Run:
         say(self.node("validate.js", *(self.out / name for name in EXPORTS)))
 
     def client(self, program, export, *arguments):
-        arguments = [*arguments, "--cameras", self.out / "cameras.json", "--error", self.options.error, "--size", self.options.size,
+        arguments = [*arguments, *([] if "--cameras" in arguments else ["--cameras", self.out / "cameras.json"]), "--error", self.options.error, "--size", self.options.size,
                      "--frame", self.options.picture, "--png", self.out / f"{program}_{export}.png"]
         if program == "three":
             return self.node("three.js", self.out / export, "--modules", self.out / "clients/node_modules", *arguments)
@@ -122,6 +124,45 @@ class Run:
             self.table["clients"][f"{program}, {export}"] = told
             say(f"{program + ', ' + export:34} {told['triangles']:11.0f} {told['tiles']:8.1f} {told['texels']:10.0f} {told['resident_texels']:10.0f} {told['failed']:7}"
                 f"   {told['contents']} contents and {told['images']} images fetched")
+
+    def clicks(self):
+        """Whether a click in CesiumJS names the group of an OBJ file and the node of a glTF file that is there."""
+        names = ["north wall", "south wall", "Dach, groß", "door"]
+        places = [(4 * (k % 2), 4 * (k // 2), 0) for k in range(4)]
+        corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+        faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        lines = []
+        for k, (name, place) in enumerate(zip(names, places)):
+            lines += [f"g {name}", *(f"v {x + place[0]} {y + place[1]} {z + place[2]}" for x, y, z in corners),
+                      *("f " + " ".join(str(8 * k + corner + 1) for corner in face) for face in faces)]
+        (self.out / "parts.obj").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        triangles = [corner for a, b, c, d in faces for corner in (a, b, c, a, c, d)]
+        data = struct.pack("<24f36H", *(x for corner in corners for x in corner), *triangles)
+        gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2, 3]}],
+                "nodes": [{"mesh": 0, "name": name, "translation": [x, z, -y]} for name, (x, y, z) in zip(names, places)],  # y is up
+                "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+                "accessors": [{"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [-1] * 3, "max": [1] * 3},
+                              {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"}],
+                "bufferViews": [{"buffer": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 72}],
+                "buffers": [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]}
+        (self.out / "parts.gltf").write_text(json.dumps(gltf))
+        say("")
+        for source in ("obj", "gltf"):
+            folder = self.out / f"parts_{source}"
+            self.occlod("tiles", self.out / f"parts.{source}", "-o", folder, "--compress", "meshopt", "--node-triangles", "16", "--replace", "--json")
+            say(self.node("validate.js", folder))
+            # Of a glTF file z up becomes y up, and its tileset turns it back: its root has the axes of the file.
+            turned = [(x, z, -y) for x, y, z in places] if source == "gltf" else places
+            tops = [(x, y, z + 1) if source == "obj" else (x, y + 1, z) for x, y, z in turned]
+            eye, up = ([2, 2.001, 20], [0, 1, 0]) if source == "obj" else ([2, 20, -2.001], [0, 0, -1])
+            target = [2, 2, 0] if source == "obj" else [2, 0, -2]
+            cameras = [{"eye": eye, "target": target, "up": up, "fov_y_deg": 60, "click": top} for top in tops]
+            (self.out / f"clicks_{source}.json").write_text(json.dumps({"cameras": cameras}))
+            text = self.client("cesium", folder.name, "--cameras", self.out / f"clicks_{source}.json")
+            picked = [row.get("picked") for row in json.loads(text.splitlines()[-1])["rows"]] if text else []
+            say(f"clicks on {source}: {picked}")
+            if picked != names:
+                self.failures.append(f"clicks on {source} name {picked}, not {names}")
 
     def ours(self):
         """The same cameras by bench_hlod_compare, by both kinds of error, as CesiumJS has them."""
@@ -148,6 +189,7 @@ class Run:
         self.build()
         self.check()
         self.clients()
+        self.clicks()
         self.ours()
         self.compare()
         (self.out / "tiles.json").write_text(json.dumps(self.table, indent=1))

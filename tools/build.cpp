@@ -13,6 +13,7 @@
 #include "interrupt.h"
 #include "json_output.h"
 #include "mesh/image_files.h"
+#include "mesh/mesh_report.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/mesh.h"
 #include "occlod/mesh_file.h"
@@ -47,7 +48,9 @@ CleanMesh read(const Options& options, Progress& progress) {
     else
       progress.show("cleaning " + options.input, std::nullopt);
   };
-  return read_mesh(options.input, show, options.build.threads);
+  CleanMesh mesh = read_mesh(options.input, show, options.build.threads);
+  leave_out_features(mesh);
+  return mesh;
 }
 
 // Makes normals if the file has none. Returns whether it did.

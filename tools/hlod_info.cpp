@@ -27,6 +27,7 @@ void run(const Options& options) {
   result.update(file_size_of(options.file, file.hlod));
   result["normals"] = view.has_normals;
   result["colors"] = view.has_colors;
+  result["features"] = view.features.names.size();
   result["box"] = to_json(view.box, view.origin);
   result["level"] = levels_of(file.hlod);
   result["report"] = to_json(file.report);

@@ -66,6 +66,7 @@ void tell_mesh(const Options& options) {
                  {"texture_coordinates", !file.mesh.texture_coordinates.empty()},
                  {"materials", file.mesh.materials.size()},
                  {"textures", file.mesh.textures.size()},
+                 {"features", file.mesh.feature_names.size()},
                  {"box", to_json(bounding_box(file.mesh.positions), file.mesh.origin)}};
   add_origin(result, file.mesh.origin);
   print(options, std::move(result), file.report);

@@ -11,8 +11,6 @@
 #include "option_values.h"
 
 #ifdef OCCLOD_HAS_PROJ
-#include <proj.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -28,6 +26,7 @@
 
 #include "base/threads.h"
 #include "hlod/tiles/tile_tree.h"
+#include "proj_library.h"
 #include "standard_streams.h"
 #endif
 
@@ -101,10 +100,10 @@ hlod::TriangleSource brought(hlod::TriangleSource source, MapSystem& system, std
 namespace {
 
 struct EndProj {
-  void operator()(PJ_CONTEXT* context) const { proj_context_destroy(context); }
-  void operator()(PJ* object) const { proj_destroy(object); }
-  void operator()(PJ_OBJ_LIST* list) const { proj_list_destroy(list); }
-  void operator()(PJ_OPERATION_FACTORY_CONTEXT* factory) const { proj_operation_factory_context_destroy(factory); }
+  void operator()(PJ_CONTEXT* context) const { proj().context_destroy(context); }
+  void operator()(PJ* object) const { proj().destroy(object); }
+  void operator()(PJ_OBJ_LIST* list) const { proj().list_destroy(list); }
+  void operator()(PJ_OPERATION_FACTORY_CONTEXT* factory) const { proj().operation_factory_context_destroy(factory); }
 };
 template <class T>
 using Owned = std::unique_ptr<T, EndProj>;
@@ -113,25 +112,25 @@ using Pj = Owned<PJ>;
 bool is_finite(const glm::dvec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 glm::dvec3 transformed(PJ* operation, PJ_DIRECTION direction, const glm::dvec3& p) {
-  const PJ_XYZ at = proj_trans(operation, direction, proj_coord(p.x, p.y, p.z, HUGE_VAL)).xyz;
+  const PJ_XYZ at = proj().trans(operation, direction, proj().coord(p.x, p.y, p.z, HUGE_VAL)).xyz;
   return {at.x, at.y, at.z};
 }
 
 // Returns the grid that PROJ would need to know a way between the systems, or nothing.
 std::string missing_grid(PJ_CONTEXT* context, const PJ* from, const PJ* to) {
-  const Owned<PJ_OPERATION_FACTORY_CONTEXT> factory(proj_create_operation_factory_context(context, nullptr));
-  proj_operation_factory_context_set_spatial_criterion(context, factory.get(),
-                                                       PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
-  proj_operation_factory_context_set_grid_availability_use(context, factory.get(), PROJ_GRID_AVAILABILITY_IGNORED);
-  proj_operation_factory_context_set_allow_ballpark_transformations(context, factory.get(), 0);
-  const Owned<PJ_OBJ_LIST> ways(proj_create_operations(context, from, to, factory.get()));
-  for (int i = 0; ways && i < proj_list_get_count(ways.get()); ++i) {
-    const Pj way(proj_list_get(context, ways.get(), i));
-    for (int grid = 0; grid < proj_coordoperation_get_grid_used_count(context, way.get()); ++grid) {
+  const Owned<PJ_OPERATION_FACTORY_CONTEXT> factory(proj().create_operation_factory_context(context, nullptr));
+  proj().operation_factory_context_set_spatial_criterion(context, factory.get(),
+                                                         PROJ_SPATIAL_CRITERION_PARTIAL_INTERSECTION);
+  proj().operation_factory_context_set_grid_availability_use(context, factory.get(), PROJ_GRID_AVAILABILITY_IGNORED);
+  proj().operation_factory_context_set_allow_ballpark_transformations(context, factory.get(), 0);
+  const Owned<PJ_OBJ_LIST> ways(proj().create_operations(context, from, to, factory.get()));
+  for (int i = 0; ways && i < proj().list_get_count(ways.get()); ++i) {
+    const Pj way(proj().list_get(context, ways.get(), i));
+    for (int grid = 0; grid < proj().coordoperation_get_grid_used_count(context, way.get()); ++grid) {
       const char* name = nullptr;
       int is_here = 1;
-      if (proj_coordoperation_get_grid_used(context, way.get(), grid, &name, nullptr, nullptr, nullptr, nullptr,
-                                            nullptr, &is_here) != 0 &&
+      if (proj().coordoperation_get_grid_used(context, way.get(), grid, &name, nullptr, nullptr, nullptr, nullptr,
+                                              nullptr, &is_here) != 0 &&
           is_here == 0)
         return name;
     }
@@ -148,21 +147,22 @@ struct Worker {
 class ProjSystem final : public MapSystem {
  public:
   ProjSystem(const std::string& name, std::string subject, int threads)
-      : name_(name), subject_(std::move(subject)), threads_(thread_count(threads)), context_(proj_context_create()) {
-    proj_log_func(context_.get(), &message_,
-                  [](void* message, int, const char* text) { *static_cast<std::string*>(message) = text; });
-    if (proj_context_get_database_path(context_.get()) == nullptr)
+      : name_(name), subject_(std::move(subject)), threads_(thread_count(threads)), context_(proj().context_create()) {
+    proj().log_func(context_.get(), &message_,
+                    [](void* message, int, const char* text) { *static_cast<std::string*>(message) = text; });
+    if (proj().context_get_database_path(context_.get()) == nullptr)
       refuse(name, "needs proj.db, which PROJ does not find (" + message_ +
                        "): install proj-data, or set PROJ_DATA to the folder that has it");
-    system_.reset(proj_create(context_.get(), name.c_str()));
-    if (!system_ || proj_is_crs(system_.get()) == 0)
+    system_.reset(proj().create(context_.get(), name.c_str()));
+    if (!system_ || proj().is_crs(system_.get()) == 0)
       refuse(name, "is no coordinate system that PROJ knows: give a code such as EPSG:32633");
     find_heights();
-    const Pj earth(proj_create(context_.get(), "EPSG:4978"));
+    const Pj earth(proj().create(context_.get(), "EPSG:4978"));
     // What PROJ calls ballpark leaves out the change of heights or of the datum.
     const std::array<const char*, 2> options{"ALLOW_BALLPARK=NO", nullptr};
-    const Pj ways(proj_create_crs_to_crs_from_pj(context_.get(), system_.get(), earth.get(), nullptr, options.data()));
-    if (ways) ways_.reset(proj_normalize_for_visualization(context_.get(), ways.get()));
+    const Pj ways(
+        proj().create_crs_to_crs_from_pj(context_.get(), system_.get(), earth.get(), nullptr, options.data()));
+    if (ways) ways_.reset(proj().normalize_for_visualization(context_.get(), ways.get()));
     if (ways_) return;
     const std::string grid = missing_grid(context_.get(), system_.get(), earth.get());
     refuse(name, grid.empty() ? "has no known relation to WGS84"
@@ -174,18 +174,18 @@ class ProjSystem final : public MapSystem {
     const glm::dvec3 middle = on_map(coordinates);
     // Which way is best depends on the place; all of the mesh goes the same, so that no gap opens.
     const glm::dvec3 earth_centred = transformed(ways_.get(), PJ_FWD, middle);
-    const Pj way(is_finite(earth_centred) ? proj_trans_get_last_used_operation(ways_.get()) : nullptr);
+    const Pj way(is_finite(earth_centred) ? proj().trans_get_last_used_operation(ways_.get()) : nullptr);
     if (!way) refuse_point(coordinates);
-    accuracy_m_ = proj_coordoperation_get_accuracy(context_.get(), way.get());
+    accuracy_m_ = proj().coordoperation_get_accuracy(context_.get(), way.get());
     workers_.clear();
     for (unsigned i = 0; i < threads_; ++i) {
       Worker& worker = workers_.emplace_back();
-      worker.context.reset(proj_context_create());
-      proj_log_level(worker.context.get(), PJ_LOG_NONE);
-      worker.operation.reset(proj_clone(worker.context.get(), way.get()));
+      worker.context.reset(proj().context_create());
+      proj().log_level(worker.context.get(), PJ_LOG_NONE);
+      worker.operation.reset(proj().clone(worker.context.get(), way.get()));
     }
 
-    const Pj ellipsoid(proj_create(context_.get(), "+proj=cart +ellps=WGS84"));
+    const Pj ellipsoid(proj().create(context_.get(), "+proj=cart +ellps=WGS84"));
     const glm::dvec3 geodetic = transformed(ellipsoid.get(), PJ_INV, earth_centred);
     place_ = {std::clamp(glm::degrees(geodetic.x), -180.0, 180.0), std::clamp(glm::degrees(geodetic.y), -90.0, 90.0),
               geodetic.z};
@@ -227,7 +227,7 @@ class ProjSystem final : public MapSystem {
   [[nodiscard]] const tiles::GeodeticOrigin& place() const override { return place_; }
 
   [[nodiscard]] Json told() const override {
-    Json json = {{"up", up_ == UpAxis::y ? "y" : "z"}, {"crs", proj_get_name(system_.get())}, {"heights", heights_}};
+    Json json = {{"up", up_ == UpAxis::y ? "y" : "z"}, {"crs", proj().get_name(system_.get())}, {"heights", heights_}};
     if (accuracy_m_ >= 0.0) json["accuracy_m"] = accuracy_m_;
     json["longitude_deg"] = place_.longitude_deg;
     json["latitude_deg"] = place_.latitude_deg;
@@ -241,29 +241,29 @@ class ProjSystem final : public MapSystem {
     PJ_CONTEXT* const context = context_.get();
     Pj part;  // the system of x and y
     const PJ* map = system_.get();
-    if (proj_get_type(map) == PJ_TYPE_COMPOUND_CRS) {
-      const Pj vertical(proj_crs_get_sub_crs(context, map, 1));
-      heights_ = vertical ? proj_get_name(vertical.get()) : "";
-      part.reset(proj_crs_get_sub_crs(context, map, 0));
+    if (proj().get_type(map) == PJ_TYPE_COMPOUND_CRS) {
+      const Pj vertical(proj().crs_get_sub_crs(context, map, 1));
+      heights_ = vertical ? proj().get_name(vertical.get()) : "";
+      part.reset(proj().crs_get_sub_crs(context, map, 0));
       map = part.get();
     }
-    while (map != nullptr && proj_get_type(map) == PJ_TYPE_BOUND_CRS) {
-      part.reset(proj_get_source_crs(context, map));
+    while (map != nullptr && proj().get_type(map) == PJ_TYPE_BOUND_CRS) {
+      part.reset(proj().get_source_crs(context, map));
       map = part.get();
     }
-    if (map == nullptr || proj_get_type(map) != PJ_TYPE_PROJECTED_CRS) refuse_unprojected(map);
+    if (map == nullptr || proj().get_type(map) != PJ_TYPE_PROJECTED_CRS) refuse_unprojected(map);
     if (!heights_.empty()) return;
     heights_ = "above the WGS84 ellipsoid";
-    const Pj axes(proj_crs_get_coordinate_system(context, map));
-    if (proj_cs_get_axis_count(context, axes.get()) == 2)
-      proj_cs_get_axis_info(context, axes.get(), 0, nullptr, nullptr, nullptr, &height_unit_m_, nullptr, nullptr,
-                            nullptr);
+    const Pj axes(proj().crs_get_coordinate_system(context, map));
+    if (proj().cs_get_axis_count(context, axes.get()) == 2)
+      proj().cs_get_axis_info(context, axes.get(), 0, nullptr, nullptr, nullptr, &height_unit_m_, nullptr, nullptr,
+                              nullptr);
     else
       heights_ = "of the system";
   }
 
   [[noreturn]] void refuse_unprojected(const PJ* map) const {
-    const PJ_TYPE type = map != nullptr ? proj_get_type(map) : PJ_TYPE_UNKNOWN;
+    const PJ_TYPE type = map != nullptr ? proj().get_type(map) : PJ_TYPE_UNKNOWN;
     if (type == PJ_TYPE_GEOGRAPHIC_2D_CRS || type == PJ_TYPE_GEOGRAPHIC_3D_CRS)
       refuse(name_,
              "is geographic, in degrees: bring the mesh to a projected system first, such as that of a UTM zone");
@@ -274,7 +274,7 @@ class ProjSystem final : public MapSystem {
 
   [[noreturn]] void refuse_point(const glm::dvec3& at) const {
     throw Error({subject_, fmt::format("point {}, {}, {}", at.x, at.y, at.z),
-                 fmt::format("lies beyond what {} can reach", proj_get_name(system_.get())),
+                 fmt::format("lies beyond what {} can reach", proj().get_name(system_.get())),
                  "check --crs, and the order and unit of the coordinates"});
   }
 
@@ -282,7 +282,7 @@ class ProjSystem final : public MapSystem {
   void note_area() const {
     double west = 0.0, south = 0.0, east = 0.0, north = 0.0;
     const char* area = nullptr;
-    if (proj_get_area_of_use(context_.get(), system_.get(), &west, &south, &east, &north, &area) == 0 ||
+    if (proj().get_area_of_use(context_.get(), system_.get(), &west, &south, &east, &north, &area) == 0 ||
         west < -180.0)  // unknown
       return;
     const double longitude = place_.longitude_deg, latitude = place_.latitude_deg;
@@ -290,7 +290,7 @@ class ProjSystem final : public MapSystem {
                                          : longitude >= west || longitude <= east;
     if (is_between && latitude >= south && latitude <= north) return;
     print_note(fmt::format("{}: its middle is at longitude {:.5f}, latitude {:.5f}, outside the area of {}: {}",
-                           subject_, longitude, latitude, proj_get_name(system_.get()), area != nullptr ? area : ""));
+                           subject_, longitude, latitude, proj().get_name(system_.get()), area != nullptr ? area : ""));
   }
 
   // Returns coordinates of the mesh as the operation takes them.

@@ -16,6 +16,7 @@
 #include "interrupt.h"
 #include "json_output.h"
 #include "mesh/image_files.h"
+#include "mesh/mesh_report.h"
 #include "occlod/base.h"
 #include "occlod/mesh.h"
 #include "occlod/mesh_file.h"
@@ -39,7 +40,9 @@ struct Options {
 };
 
 CleanMesh read(const Options& options, Progress& progress) {
-  return read_mesh(options.input, [&](double done) { progress.show("reading " + options.input, done); });
+  CleanMesh mesh = read_mesh(options.input, [&](double done) { progress.show("reading " + options.input, done); });
+  leave_out_features(mesh);
+  return mesh;
 }
 
 RepairedMesh repair_input(const Options& options, const TriangleMesh& mesh, Progress& progress) {

@@ -20,6 +20,7 @@
 #include "interrupt.h"
 #include "json_output.h"
 #include "mesh/image_files.h"
+#include "mesh/mesh_report.h"
 #include "number_with_unit.h"
 #include "occlod/base.h"
 #include "occlod/bounds.h"
@@ -57,7 +58,9 @@ CleanMesh read(const Options& options, const std::string& file, Progress& progre
     else
       progress.show("cleaning " + file, std::nullopt);
   };
-  return read_mesh(file, show, options.simplify.threads);
+  CleanMesh mesh = read_mesh(file, show, options.simplify.threads);
+  leave_out_features(mesh);
+  return mesh;
 }
 
 SimplifiedMesh reduce(const Options& options, const std::string& file, const TriangleMesh& mesh, Progress& progress) {

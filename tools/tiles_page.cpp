@@ -86,7 +86,20 @@ async function show() {
   scene.primitives.add(tileset);
   Object.assign(window.occlod, { viewer, tileset });
   controls(viewer, tileset);
+  picks(viewer, tileset);
   await viewer.zoomTo(tileset);
+}
+
+// A click names the part of the input that is there, and shows all of it.
+function picks(viewer, tileset) {
+  new Cesium.ScreenSpaceEventHandler(viewer.scene.canvas).setInputAction(({ position }) => {
+    const picked = viewer.scene.pick(position);
+    const has = picked instanceof Cesium.Cesium3DTileFeature && picked.hasProperty("name");
+    window.occlod.picked = has ? picked.getProperty("name") : undefined;
+    tileset.style = has ? new Cesium.Cesium3DTileStyle({
+      color: { conditions: [["${id} === " + picked.getProperty("id"), "color('#ffc040')"], ["true", "color('white')"]] },
+    }) : undefined;
+  }, Cesium.ScreenSpaceEventType.LEFT_CLICK);
 }
 
 function controls(viewer, tileset) {
@@ -104,7 +117,8 @@ function controls(viewer, tileset) {
     const counts = tileset.statistics;
     told.textContent = counts.numberOfTrianglesSelected.toLocaleString("en") + " triangles\n" +
       counts.selected + " tiles, " + (counts.numberOfPendingRequests + counts.numberOfTilesProcessing) + " loading" +
-      (window.occlod.failed ? "\n" + window.occlod.failed + " failed" : "");
+      (window.occlod.failed ? "\n" + window.occlod.failed + " failed" : "") +
+      (window.occlod.picked === undefined ? "" : "\n" + window.occlod.picked);
   });
 }
 </script>

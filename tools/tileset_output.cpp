@@ -110,6 +110,7 @@ Json write_tileset(const TilesetOutput& output, const hlod::Hlod& hlod, const st
   const auto triangles = static_cast<double>(hlod.data().input_triangle_count);
   return {{tiles::is_archive(output.path) ? "archive" : "folder", output.path},
           {"up", tileset.up.value_or(hlod.data().up) == UpAxis::y ? "y" : "z"},
+          {"features", hlod.data().features.names.size()},
           {"tiles", counts.tiles},
           {"tileset_files", counts.tileset_files},
           {"triangles", counts.triangles},

@@ -1,38 +1,17 @@
-// Opens a shared library at run time, so that its absence causes an error message instead of a failure to link or to
-// start.
+// Makes OpenGL contexts by EGL and OSMesa, which are opened at run time.
 #pragma once
 
-#include <initializer_list>
 #include <memory>
 #include <string>
 #include <string_view>
 
+#include "base/shared_library.h"
 #include "gl/functions.h"
 #include "occlod/gl.h"
 
 namespace occlod::gl {
 
-class SharedLibrary {
- public:
-  // Opens the first of `names` that is found. Throws Error with `remedy` when none is. Never closes the library:
-  // drivers leave thread-local destructors behind that point into it.
-  SharedLibrary(std::initializer_list<const char*> names, const char* remedy);
-
-  // Returns the symbol. Throws Error when the library does not have it.
-  template <class Function>
-  [[nodiscard]] Function symbol(const char* name) const {
-    return reinterpret_cast<Function>(address(name));
-  }
-
- private:
-  [[nodiscard]] void* address(const char* name) const;
-
-  void* handle_ = nullptr;
-  std::string name_;
-};
-
 // Implements what EGL and OSMesa contexts share: the function table, and tracking which context is current.
-
 class ContextBase : public Context {
  public:
   [[nodiscard]] const Functions& functions() const noexcept final { return functions_; }

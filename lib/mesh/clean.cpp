@@ -98,6 +98,7 @@ class Cleaner {
     assert(mesh_.colors.empty() || mesh_.colors.size() == mesh_.wedge_count());
     assert(mesh_.texture_coordinates.empty() || mesh_.texture_coordinates.size() == mesh_.wedge_count());
     assert(mesh_.triangle_materials.empty() || mesh_.triangle_materials.size() == mesh_.triangle_count());
+    assert(mesh_.triangle_features.empty() || mesh_.triangle_features.size() == mesh_.triangle_count());
     assert(mesh_.corners.empty() || mesh_.corners.size() == mesh_.triangle_count());
     if (report_.vertices_read == 0) {
       report_.vertices_read = mesh_.vertex_count();
@@ -113,6 +114,7 @@ class Cleaner {
     if (mesh_.triangles.empty()) fail("", "has no triangles", "give a mesh with at least one");
     check_indices();
     check_materials();
+    check_features();
     used_ = used_vertices();
     check_positions();
     repair_texture_coordinates();
@@ -169,6 +171,15 @@ class Cleaner {
            "export the mesh again");
     }
     if (!has_others) mesh_.triangle_materials.clear();
+  }
+
+  void check_features() const {
+    for (std::size_t t = 0; t < mesh_.triangle_features.size(); ++t)
+      if (mesh_.triangle_features[t] >= mesh_.feature_names.size())
+        fail(fmt::format("triangle {}", t),
+             fmt::format("has feature {}, but there are {}, numbered from 0", mesh_.triangle_features[t],
+                         mesh_.feature_names.size()),
+             "export the mesh again");
   }
 
   // Returns 1 for each vertex that a triangle uses. Bytes are used instead of bits so that a store needs no load.
@@ -246,7 +257,8 @@ class Cleaner {
       for (Triangle& t : mesh_.triangles) t = {leader_[t.x], leader_[t.y], leader_[t.z]};
     }
     std::vector<MaterialId>& materials = mesh_.triangle_materials;
-    if (read_corners.empty() && materials.empty()) {
+    std::vector<FeatureId>& features = mesh_.triangle_features;
+    if (read_corners.empty() && materials.empty() && features.empty()) {
       report_.repeated_index_triangles += std::erase_if(mesh_.triangles, has_repeated_corner);
       return;
     }
@@ -256,12 +268,14 @@ class Cleaner {
       mesh_.triangles[kept] = mesh_.triangles[t];
       if (!read_corners.empty()) read_corners[kept] = read_corners[t];
       if (!materials.empty()) materials[kept] = materials[t];
+      if (!features.empty()) features[kept] = features[t];
       ++kept;
     }
     report_.repeated_index_triangles += mesh_.triangle_count() - kept;
     mesh_.triangles.resize(kept);
     if (!read_corners.empty()) read_corners.resize(kept);
     if (!materials.empty()) materials.resize(kept);
+    if (!features.empty()) features.resize(kept);
   }
 
   // Drops unused vertices, including those whose triangles were all dropped after welding.

@@ -70,6 +70,11 @@ struct MtlMaterial {
 // Ids have 16 bits, and the last one means "no texture".
 inline constexpr std::size_t max_materials = no_texture;
 
+// Returns a name in a file as UTF-8; what is not is taken for Latin-1.
+[[nodiscard]] inline std::string readable(std::string_view bytes) {
+  return is_utf8(bytes) ? std::string(bytes) : from_latin1(bytes);
+}
+
 // The materials and textures of a file while it is read. Adds to the lists of a soup, which outlives it.
 class MaterialTable {
  public:
@@ -104,11 +109,6 @@ class MaterialTable {
   }
 
  private:
-  // Returns a name as UTF-8; what is not is taken for Latin-1.
-  static std::string readable(std::string_view bytes) {
-    return is_utf8(bytes) ? std::string(bytes) : from_latin1(bytes);
-  }
-
   SoupTables& soup_;
   std::map<std::string, MaterialId, std::less<>> by_name_;
   std::map<std::tuple<std::string, TextureWrap, TextureWrap>, TextureId> textures_;

@@ -27,4 +27,10 @@ MeshReport report_of(const MeshReport& read, const CleanMesh& made) {
   return report;
 }
 
+void leave_out_features(CleanMesh& read) {
+  read.report.left_out.add("features (groups, objects, nodes)", read.mesh.feature_names.size());
+  read.mesh.triangle_features = {};
+  read.mesh.feature_names = {};
+}
+
 }  // namespace occlod

@@ -19,6 +19,9 @@ void settle_counts(MeshReport& report, std::uint64_t vertices, std::uint64_t tri
 // Returns the report of a mesh made of what was read: of its own report, only seams and topology.
 [[nodiscard]] MeshReport report_of(const MeshReport& read, const CleanMesh& made);
 
+// Drops the features of a mesh that goes on without them, and counts them as left out.
+void leave_out_features(CleanMesh& read);
+
 // Does as count_topology() of a mesh. `positions` has those of vertices, without extra wedges.
 void count_topology(std::span<const glm::vec3> positions, std::span<const Triangle> triangles, MeshReport& report,
                     int threads);

@@ -25,6 +25,7 @@
 #include "base/strict_json.h"
 #include "mesh/data_uri.h"
 #include "mesh/gltf_accessor.h"
+#include "mesh/gltf_features.h"
 #include "mesh/gltf_materials.h"
 #include "mesh/gltf_names.h"
 #include "mesh/gltf_pose.h"
@@ -40,10 +41,10 @@ constexpr const char* remedy = gltf_remedy;
 constexpr std::size_t max_depth = 256;  // depth of the node tree; a deeper one is treated as a cycle
 
 // What is carried of extensions; all others are counted.
-constexpr std::array<std::string_view, 9> carried_extensions{
-    "KHR_mesh_quantization",   "KHR_texture_transform",   "KHR_materials_unlit",
-    "EXT_meshopt_compression", "EXT_mesh_gpu_instancing", "EXT_texture_webp",
-    "KHR_texture_basisu",      "MSFT_texture_dds",        "EXT_texture_avif"};
+constexpr std::array<std::string_view, 11> carried_extensions{
+    "KHR_mesh_quantization",   "KHR_texture_transform", "KHR_materials_unlit",    "EXT_meshopt_compression",
+    "EXT_mesh_gpu_instancing", "EXT_texture_webp",      "KHR_texture_basisu",     "MSFT_texture_dds",
+    "EXT_texture_avif",        "EXT_mesh_features",     "EXT_structural_metadata"};
 
 bool is_carried(std::string_view extension) {
   return std::ranges::find(carried_extensions, extension) != carried_extensions.end();
@@ -53,12 +54,19 @@ class GltfReader {
  public:
   // `text` is the JSON of the model.
   GltfReader(const tinygltf::Model& model, std::string_view text, const FileErrors& errors)
-      : model_(model), text_(text), errors_(errors), views_(model, errors), skins_(views_), materials_(views_, soup_) {}
+      : model_(model),
+        text_(text),
+        errors_(errors),
+        views_(model, errors),
+        skins_(views_),
+        materials_(views_, soup_),
+        features_(views_, soup_) {}
 
   PolygonSoup run() {
     for (const std::string& extension : model_.extensionsRequired) check_extension(extension);
-    for (const int root : roots()) visit(root, glm::dmat4(1.0), 0);
+    for (const int root : roots()) visit(root, glm::dmat4(1.0), {}, 0);
     pad_attributes();
+    drop_unnamed_features(soup_);
     count_left_out();
     soup_.texture_origin = TextureOrigin::top_left;
     soup_.up = UpAxis::y;
@@ -112,7 +120,8 @@ class GltfReader {
     return nodes;
   }
 
-  void visit(int index, const glm::dmat4& above, std::size_t depth) {
+  // `name_above` is that of the nearest node above that has one.
+  void visit(int index, const glm::dmat4& above, const std::string& name_above, std::size_t depth) {
     if (index < 0 || static_cast<std::size_t>(index) >= model_.nodes.size())
       errors_.fail("", fmt::format("refers to node {}, which is not there", index), remedy);
     // A tree visits each node once; more visits than nodes means that nodes are shared or form a cycle.
@@ -120,18 +129,19 @@ class GltfReader {
       errors_.fail(fmt::format("node {}", index), "is not part of a tree of nodes", remedy);
     const tinygltf::Node& node = model_.nodes[static_cast<std::size_t>(index)];
     const glm::dmat4 to_world = above * local_transform(node);
-    if (node.mesh >= 0) place(node, index, to_world);
-    for (const int child : node.children) visit(child, to_world, depth + 1);
+    const std::string& name = node.name.empty() ? name_above : node.name;
+    if (node.mesh >= 0) place(node, index, to_world, name);
+    for (const int child : node.children) visit(child, to_world, name, depth + 1);
   }
 
   // Adds the mesh of a node, as often as it has instances. Joints alone place a mesh with a skin, and only once.
-  void place(const tinygltf::Node& node, int index, const glm::dmat4& to_world) {
+  void place(const tinygltf::Node& node, int index, const glm::dmat4& to_world, const std::string& name) {
     if (static_cast<std::size_t>(node.mesh) >= model_.meshes.size())
       errors_.fail(fmt::format("node {}", index), fmt::format("refers to mesh {}, which is not there", node.mesh),
                    remedy);
-    soup_.left_out.add("nodes");
     placed_meshes_.insert(node.mesh);
     const tinygltf::Mesh& mesh = model_.meshes[static_cast<std::size_t>(node.mesh)];
+    features_.begin_node(readable(name.empty() ? mesh.name : name));
     const std::vector<double>& weights = node.weights.empty() ? mesh.weights : node.weights;
     if (node.skin >= 0) {
       soup_.left_out.add("skins (as the joints are placed)");
@@ -167,6 +177,7 @@ class GltfReader {
     std::optional<MaterialId> material;
     if (!model_.materials.empty()) material = materials_.id_of(primitive.material);
     const GltfLookup lookup = material ? materials_.lookup(*material) : GltfLookup{};
+    features_.begin_primitive(primitive, positions.count());
     count_left_out(primitive, lookup.set, positions.count(), placement.is_skinned());
     add_normals(primitive, placement, weights, first, positions.count());
     add_colors(primitive, first, positions.count());
@@ -179,7 +190,8 @@ class GltfReader {
     const std::string used = fmt::format("TEXCOORD_{}", set);
     const auto is_kept = [&](const std::string& name) {
       const bool poses = name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");
-      return name == "POSITION" || name == "NORMAL" || name == "COLOR_0" || name == used || (is_skinned && poses);
+      return name == "POSITION" || name == "NORMAL" || name == "COLOR_0" || name == used ||
+             name == features_.attribute() || (is_skinned && poses);
     };
     for (const auto& [name, accessor] : primitive.attributes)
       if (!is_kept(name)) soup_.left_out.add(name, vertices);
@@ -266,6 +278,7 @@ class GltfReader {
       if (is_mirrored) std::swap(corners[1], corners[2]);  // as glTF requires: the front stays the front
       for (const std::uint64_t corner : corners) soup_.add_corner(static_cast<VertexId>(first + corner));
       soup_.end_polygon(0);
+      soup_.give_feature(soup_.polygon_count() - 1, features_.of_vertex(corners[0]));
     }
   }
 
@@ -292,6 +305,7 @@ class GltfReader {
   GltfViews views_;
   GltfSkins skins_;
   GltfMaterials materials_;
+  GltfFeatures features_;
   std::set<int> placed_meshes_;
   std::size_t visits_ = 0;
 };

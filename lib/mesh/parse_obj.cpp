@@ -9,10 +9,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "base/file_input.h"
@@ -195,6 +197,58 @@ void ObjMaterials::read_library(const fs::path& path, const fs::path& folder) {
   }
 }
 
+// Features of OBJ files: the group (g) of faces, or their object (o) where it has no groups, or both where it has
+// several.
+class ObjFeatures {
+ public:
+  // Adds to `names`, which outlives it.
+  explicit ObjFeatures(std::vector<std::string>& names) : names_(names) {}
+
+  // Takes an o or g line; `has_polygons` tells whether there are faces before it.
+  void begin_object(std::string_view name, bool has_polygons) {
+    object_ = readable(name);
+    objects_.try_emplace(object_, false);
+    begin_group({}, has_polygons);
+  }
+  void begin_group(std::string_view name, bool has_polygons) {
+    group_ = readable(name);
+    groups_.try_emplace(group_, false);
+    if (!has_lines_ && has_polygons) names_.emplace_back();
+    has_lines_ = is_new_ = true;
+  }
+  // Returns the feature of the next face. Features are numbered by their first faces.
+  FeatureId current() {
+    if (!is_new_) return current_;
+    is_new_ = false;
+    objects_[object_] = groups_[group_] = true;
+    const auto [found, is_added] = by_name_.try_emplace({object_, group_}, static_cast<FeatureId>(names_.size()));
+    if (is_added) names_.push_back(name());
+    return current_ = found->second;
+  }
+
+  void count_unused(LeftOut& left_out) const {
+    const auto unused = [](const std::map<std::string, bool>& names) {
+      return std::ranges::count_if(names, [](const auto& entry) { return !entry.second && !entry.first.empty(); });
+    };
+    left_out.add("unused objects (o)", static_cast<std::uint64_t>(unused(objects_)));
+    left_out.add("unused groups (g)", static_cast<std::uint64_t>(unused(groups_)));
+  }
+
+ private:
+  [[nodiscard]] std::string name() const {
+    if (group_.empty() || object_.empty() || group_ == object_) return group_.empty() ? object_ : group_;
+    return object_ + "/" + group_;
+  }
+
+  std::vector<std::string>& names_;
+  std::map<std::pair<std::string, std::string>, FeatureId> by_name_;
+  std::map<std::string, bool> objects_, groups_;  // whether faces are in them
+  std::string object_, group_;
+  FeatureId current_ = 0;
+  bool has_lines_ = false;
+  bool is_new_ = false;  // the names have changed since current()
+};
+
 // The largest index that faces use into a list, which may come after them in the file.
 struct LargestIndex {
   std::uint64_t end = 0;  // the largest index plus one
@@ -217,7 +271,11 @@ template <class Storage>
 class ObjParser {
  public:
   ObjParser(InputBytes& input, const FileErrors& errors)
-      : chunks_(input, errors, obj_syntax), cursor_({}, errors, obj_syntax), errors_(errors), materials_(soup_) {}
+      : chunks_(input, errors, obj_syntax),
+        cursor_({}, errors, obj_syntax),
+        errors_(errors),
+        materials_(soup_),
+        features_(soup_.feature_names) {}
 
   BasicPolygonSoup<Storage> parse() && {
     while (chunks_.next(cursor_)) read_lines();
@@ -228,6 +286,7 @@ class ObjParser {
     materials_.read_libraries(errors_);
     place_textures(soup_, materials_.placements(), attributes_, errors_);
     if (!attributes_.corners.empty()) split_vertices(soup_, attributes_, errors_);
+    drop_unnamed_features(soup_);
     count_left_out();
     return std::move(soup_);
   }
@@ -252,9 +311,9 @@ class ObjParser {
       else if (keyword == "mtllib")
         materials_.add_library(cursor_.rest_of_line());
       else if (keyword == "o")
-        objects_.add(cursor_.rest_of_line());
+        features_.begin_object(cursor_.rest_of_line(), soup_.polygon_count() > 0);
       else if (keyword == "g")
-        groups_.add(cursor_.rest_of_line());
+        features_.begin_group(cursor_.rest_of_line(), soup_.polygon_count() > 0);
       else
         count_line(keyword);
     }
@@ -275,8 +334,7 @@ class ObjParser {
 
   void count_left_out() {
     LeftOut& left_out = soup_.left_out;
-    left_out.add("objects (o)", objects_.count());
-    left_out.add("groups (g)", groups_.count());
+    features_.count_unused(left_out);
     left_out.add("smoothing groups (s)", smoothing_groups_.count());
     left_out.add("lines (l)", lines_);
     left_out.add("points (p)", points_);
@@ -353,6 +411,7 @@ class ObjParser {
     }
     soup_.end_polygon(line);
     if (materials_.any()) soup_.polygon_materials.push_back(materials_.current());
+    soup_.give_feature(soup_.polygon_count() - 1, features_.current());
   }
 
   // Reads "v", "v/vt", "v//vn" or "v/vt/vn"; what is missing after a slash is absent, as in "v/" and "v/vt/".
@@ -462,7 +521,8 @@ class ObjParser {
   LargestIndex largest_texture_, largest_normal_;
   ObjMaterials materials_;
   VertexColors<Storage> colors_;
-  DistinctNames objects_, groups_, smoothing_groups_;
+  ObjFeatures features_;
+  DistinctNames smoothing_groups_;
   // Counts of what is left out: lines, and numbers or corners on lines.
   std::uint64_t lines_ = 0, points_ = 0;
   std::uint64_t weights_ = 0, third_coordinates_ = 0, more_values_ = 0;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
@@ -147,6 +149,7 @@ class BodyParser {
     colors_.resolve(soup_);
     soup_.left_out.add(clamped_colors, clamped_colors_);
     if (!soup_.polygon_materials.empty()) soup_.polygon_materials.resize(soup_.polygon_count(), MaterialId{0});
+    if (!soup_.polygon_features.empty()) soup_.polygon_features.resize(soup_.polygon_count(), FeatureId{0});
     if (!attributes_.corners.empty()) {
       soup_.left_out.add("texture coordinates of vertices", soup_.texture_coordinates.size());
       split_vertices(soup_, attributes_, errors_);
@@ -237,13 +240,15 @@ class BodyParser {
 
   void read_faces(const PlyElement& element) {
     const std::size_t corner_list = expect_corner_list(element, "faces");
-    std::size_t texcoord = element.properties.size(), texnumber = texcoord;  // places
+    std::size_t texcoord = element.properties.size(), texnumber = texcoord, part = texcoord;  // places
     for (std::size_t i = 0; i < element.properties.size(); ++i) {
       const PlyProperty& property = element.properties[i];
       if (property.count_type && property.name == "texcoord" && i != corner_list) texcoord = i;
       if (!property.count_type && property.name == "texnumber" && texture_count_ > 0) texnumber = i;
+      if (names_part(property) && part == element.properties.size()) part = i;
     }
-    count_properties(element, [&](std::size_t i) { return i == corner_list || i == texcoord || i == texnumber; });
+    count_properties(element,
+                     [&](std::size_t i) { return i == corner_list || i == texcoord || i == texnumber || i == part; });
     const bool has_short_lists = has_short_lists_only(element);
     std::uint64_t more = 0;
     if constexpr (is_binary) {
@@ -256,7 +261,7 @@ class BodyParser {
       }
       values_.begin_record(i);
       coordinates_.clear();
-      double texture = 0.0;
+      double texture = 0.0, part_number = 0.0;
       const std::size_t first_corner = corner_count_;
       for (std::size_t p = 0; p < element.properties.size(); ++p) {
         const PlyProperty& property = element.properties[p];
@@ -266,12 +271,15 @@ class BodyParser {
           read_texture_coordinates(property);
         else if (p == texnumber)
           texture = values_.next(property.type);
+        else if (p == part)
+          part_number = values_.next(property.type);
         else
           skip(property);
       }
       soup_.end_polygon(values_.line());
       add_texture_coordinates(first_corner);
       if (texture_count_ > 0) set_texture(texture);
+      if (part < element.properties.size()) set_part(element.properties[part].name, part_number);
       more += values_.end_record();
     }
     count_more(element, more);
@@ -314,6 +322,19 @@ class BodyParser {
     const auto material = static_cast<MaterialId>(number < 0.0 ? texture_count_ : static_cast<std::size_t>(number));
     soup_.polygon_materials.resize(soup_.polygon_count() - 1, MaterialId{0});
     soup_.polygon_materials.push_back(material);
+  }
+
+  // True for a property of faces by which programs tell objects apart.
+  static bool names_part(const PlyProperty& property) {
+    constexpr std::array<std::string_view, 3> names{"object_id", "group_id", "feature_id"};
+    return !property.count_type && is_integer(property.type) && std::ranges::find(names, property.name) != names.end();
+  }
+
+  // Makes the current face one of the feature that its number names.
+  void set_part(const std::string& property, double number) {
+    const auto [found, is_new] = parts_.try_emplace(number, static_cast<FeatureId>(soup_.feature_names.size()));
+    if (is_new) soup_.feature_names.push_back(fmt::format("{} {}", property, number));
+    soup_.give_feature(soup_.polygon_count() - 1, found->second);
   }
 
   // True when faces are only lists of 32-bit indices with a count of one byte.
@@ -438,8 +459,9 @@ class BodyParser {
   const FileErrors& errors_;
   std::uint64_t vertex_count_ = 0;  // from the header
   std::size_t texture_count_ = 0;
-  std::size_t corner_count_ = 0;    // corners of the polygons so far, if faces may have texture coordinates
-  std::vector<float> coordinates_;  // of the current face
+  std::size_t corner_count_ = 0;       // corners of the polygons so far, if faces may have texture coordinates
+  std::vector<float> coordinates_;     // of the current face
+  std::map<double, FeatureId> parts_;  // by number
   CornerAttributes<Storage> attributes_;
   VertexColors<Storage> colors_;      // of floating-point types
   std::uint64_t clamped_colors_ = 0;  // of integer types

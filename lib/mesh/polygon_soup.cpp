@@ -201,8 +201,10 @@ template <class Storage>
 auto BasicPolygonSoup<Storage>::triangulate(MeshReport& report, const FileErrors& errors) -> Array<Triangle> {
   Array<Triangle> triangles;
   Array<MaterialId> materials_of_triangles;
+  Array<FeatureId> features_of_triangles;
   triangles.reserve(corners_.size() - 2 * polygon_ends_.size());
   if (!polygon_materials.empty()) materials_of_triangles.reserve(triangles.capacity());
+  if (!polygon_features.empty()) features_of_triangles.reserve(triangles.capacity());
   Triangulator triangulator(positions);
   for (std::size_t polygon = 0; polygon < polygon_ends_.size(); ++polygon) {
     if (polygon % polygons_between_looks == 0) make_room();
@@ -214,8 +216,10 @@ auto BasicPolygonSoup<Storage>::triangulate(MeshReport& report, const FileErrors
                   "triangulate the mesh before exporting it");
     }
     if (!polygon_materials.empty()) materials_of_triangles.resize(triangles.size(), polygon_materials[polygon]);
+    if (!polygon_features.empty()) features_of_triangles.resize(triangles.size(), polygon_features[polygon]);
   }
   polygon_materials = std::move(materials_of_triangles);
+  polygon_features = std::move(features_of_triangles);
   corners_ = {};
   polygon_ends_ = {};
   return triangles;
@@ -225,6 +229,8 @@ TriangleMesh take_mesh(PolygonSoup& soup, MeshReport& report, const FileErrors& 
   TriangleMesh mesh;
   mesh.triangles = soup.take_triangles(report, errors);
   mesh.triangle_materials = std::move(soup.polygon_materials);
+  mesh.triangle_features = std::move(soup.polygon_features);
+  mesh.feature_names = std::move(soup.feature_names);
   mesh.positions = std::move(soup.positions);
   mesh.normals = std::move(soup.normals);
   mesh.colors = std::move(soup.colors);

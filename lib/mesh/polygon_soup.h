@@ -2,6 +2,7 @@
 // them.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -46,7 +47,8 @@ struct SoupTables {
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
   glm::dvec3 origin{0.0};  // of positions, see TriangleMesh
   UpAxis up = UpAxis::z;
-  std::uint64_t added_vertices = 0;  // vertices at the end that repeat others with other attributes
+  std::vector<std::string> feature_names;  // as of a TriangleMesh
+  std::uint64_t added_vertices = 0;        // vertices at the end that repeat others with other attributes
   LeftOut left_out;
 };
 
@@ -71,6 +73,7 @@ class BasicPolygonSoup : public SoupTables {
   Array<glm::u8vec4> colors;             // empty or one per vertex
   Array<glm::vec2> texture_coordinates;  // empty or one per vertex
   Array<MaterialId> polygon_materials;   // empty or one per polygon
+  Array<FeatureId> polygon_features;     // empty or one per polygon
 
   // Adds a vertex. `line` is 0 in binary files.
   void add_vertex(double x, double y, double z, std::uint64_t line);
@@ -85,6 +88,11 @@ class BasicPolygonSoup : public SoupTables {
       add_polygon(triangle);
   }
   [[nodiscard]] std::size_t polygon_count() const { return triangles_.size() + polygon_ends_.size(); }
+  // Gives the polygons from `first` on, all that have none, a feature. As long as all have feature 0, none is stored.
+  void give_feature(std::size_t first, FeatureId feature) {
+    if (feature != 0) polygon_features.resize(first, 0);
+    if (!polygon_features.empty()) polygon_features.resize(polygon_count(), feature);
+  }
   // Returns the corners of all polygons, one after the other.
   [[nodiscard]] std::span<VertexId> corners();
   // Returns the number of corners of polygon < polygon_count().
@@ -96,8 +104,8 @@ class BasicPolygonSoup : public SoupTables {
   // relative to an origin, if the coordinates that polygons use need one.
   void check(const FileErrors& errors, std::uint64_t first_index = 0);
 
-  // Cuts the polygons of a checked soup into triangles. Afterwards the soup has no polygons, and a material for each
-  // triangle.
+  // Cuts the polygons of a checked soup into triangles. Afterwards the soup has no polygons, but materials and features
+  // of triangles.
   [[nodiscard]] Array<Triangle> take_triangles(MeshReport& report, const FileErrors& errors);
 
  private:
@@ -128,6 +136,14 @@ class BasicPolygonSoup : public SoupTables {
   OriginChooser near_;  // of vertices so far, to find the latter
   bool may_need_origin_ = true;
 };
+
+// Drops the features of a soup whose names say nothing.
+template <class Storage>
+void drop_unnamed_features(BasicPolygonSoup<Storage>& soup) {
+  if (!std::ranges::all_of(soup.feature_names, [](const std::string& name) { return name.empty(); })) return;
+  soup.feature_names.clear();
+  soup.polygon_features.clear();
+}
 
 using PolygonSoup = BasicPolygonSoup<InMemory>;
 using ScratchSoup = BasicPolygonSoup<InScratch>;

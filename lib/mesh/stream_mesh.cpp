@@ -32,6 +32,7 @@ TriangleMesh PieceCutter::cut(std::size_t begin, std::size_t end) {
     }
     piece.triangles.push_back(triangle);
     if (!mesh_.triangle_materials.empty()) piece.triangle_materials.push_back(mesh_.triangle_materials[t]);
+    if (!mesh_.triangle_features.empty()) piece.triangle_features.push_back(mesh_.triangle_features[t]);
   }
   const auto gather = [&](const auto& from, auto& to) {
     if (from.empty()) return;
@@ -129,11 +130,13 @@ void StreamedMesh::visit(std::size_t most, const std::function<void(const Triang
                       .triangles = triangles_,
                       .triangle_materials = soup_.polygon_materials,
                       .texture_origin = soup_.texture_origin,
-                      .origin = soup_.origin});
+                      .origin = soup_.origin,
+                      .triangle_features = soup_.polygon_features});
   for (std::size_t begin = 0; begin < triangles_.size(); begin += most) {
     TriangleMesh piece = cutter.cut(begin, std::min(triangles_.size(), begin + most));
     piece.materials = soup_.materials;
     piece.textures = soup_.textures;
+    piece.feature_names = soup_.feature_names;
     take(piece);
   }
 }
@@ -154,16 +157,19 @@ bool StreamedMesh::has_repeated_corner(const Triangle& t) const {
 
 void StreamedMesh::drop_repeated_corners(const FileErrors& errors) {
   LargeVector<MaterialId>& materials = soup_.polygon_materials;
+  LargeVector<FeatureId>& features = soup_.polygon_features;
   std::size_t kept = 0;
   for_each_index(triangles_.size(), [&](std::size_t t) {
     if (has_repeated_corner(triangles_[t])) return;
     triangles_[kept] = triangles_[t];
     if (!materials.empty()) materials[kept] = materials[t];
+    if (!features.empty()) features[kept] = features[t];
     ++kept;
   });
   if (kept == 0) errors.fail("", "has no triangle with three different corners", "give a mesh with at least one");
   triangles_.resize(kept);
   if (!materials.empty()) materials.resize(kept);
+  if (!features.empty()) features.resize(kept);
 }
 
 // Counts as clean() does: of the vertices at a position that only dropped triangles use, one is unreferenced and the

@@ -27,6 +27,7 @@ struct MeshArrays {
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
   glm::dvec3 origin{0.0};  // of positions
   UpAxis up = UpAxis::z;
+  std::span<const FeatureId> triangle_features = {};  // empty or one per triangle
 };
 
 [[nodiscard]] inline MeshArrays arrays_of(const TriangleMesh& mesh) {
@@ -38,7 +39,8 @@ struct MeshArrays {
           mesh.triangle_materials,
           mesh.texture_origin,
           mesh.origin,
-          mesh.up};
+          mesh.up,
+          mesh.triangle_features};
 }
 
 class PieceCutter {
@@ -47,7 +49,7 @@ class PieceCutter {
   explicit PieceCutter(const MeshArrays& mesh) : mesh_(mesh), local_(mesh.positions.size(), no_id) {}
 
   // Returns a run of triangles with the wedges that they use as vertices, in the order of their first use, without
-  // materials and textures.
+  // materials, textures and names of features.
   [[nodiscard]] TriangleMesh cut(std::size_t begin, std::size_t end);
 
  private:
@@ -67,7 +69,8 @@ class StreamedMesh {
   StreamedMesh(const std::filesystem::path& path, const std::function<void(double)>& progress);
 
   // Gives all triangles with three different corners in the order of the file, in pieces of at most `most` triangles.
-  // Vertices with equal positions are not welded yet. Each piece has all materials and textures.
+  // Vertices with equal positions are not welded yet. Each piece has all materials, textures and names of
+  // features.
   void visit(std::size_t most, const std::function<void(const TriangleMesh& piece)>& take) const;
   // Returns the counts of reading that read_mesh() reports, and its unreferenced and nonfinite vertices.
   [[nodiscard]] const MeshReport& report() const { return report_; }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -18,11 +19,11 @@
 namespace occlod {
 namespace {
 
-// The attributes that a corner may have: those of a vertex as read, and a material.
+// The attributes that a corner may have: those of a vertex as read, and the kind of its triangle.
 struct Attributes {
-  VertexId vertex;  // the welded vertex of the corner
-  VertexId source;  // the vertex as read
-  MaterialId material;
+  VertexId vertex;     // the welded vertex of the corner
+  VertexId source;     // the vertex as read
+  std::uint32_t kind;  // triangles of different kinds share no wedge: the material, or material and feature
 };
 
 // A hash table of wedges beyond the first of their vertices, by vertex and attributes: open addressing, at most half
@@ -53,7 +54,7 @@ class ExtraWedges {
 
  private:
   [[nodiscard]] bool is_same(const Attributes& a, const Attributes& b) const {
-    return a.vertex == b.vertex && a.material == b.material && have_equal_attributes(a.source, b.source);
+    return a.vertex == b.vertex && a.kind == b.kind && have_equal_attributes(a.source, b.source);
   }
 
   // Returns the same bits for -0 as for +0.
@@ -62,7 +63,7 @@ class ExtraWedges {
   }
 
   [[nodiscard]] std::size_t hash_of(const Attributes& of) const {
-    std::uint64_t hash = scatter(of.vertex | std::uint64_t{of.material} << 32);
+    std::uint64_t hash = scatter(of.vertex | std::uint64_t{of.kind} << 32);
     if (!mesh_.normals.empty()) {
       const glm::vec3& n = mesh_.normals[of.source];
       hash = scatter(scatter(hash + bits(n.x, n.y)) + bits(n.z, 0.0F));
@@ -91,14 +92,15 @@ class ExtraWedges {
 
 class WedgeFormer {
  public:
-  WedgeFormer(TriangleMesh& mesh, std::vector<Triangle> corners)
-      : mesh_(mesh), corners_(std::move(corners)), first_(mesh.positions.size(), no_id), extra_(mesh) {}
+  // `kinds` has one for each triangle; empty: the material decides.
+  WedgeFormer(TriangleMesh& mesh, std::vector<Triangle> corners, std::span<const std::uint32_t> kinds)
+      : mesh_(mesh), corners_(std::move(corners)), kinds_(kinds), first_(mesh.positions.size(), no_id), extra_(mesh) {}
 
   bool run() && {
-    if (!mesh_.triangle_materials.empty()) first_material_.resize(first_.size());
+    if (!mesh_.triangle_materials.empty() || !kinds_.empty()) first_kind_.resize(first_.size());
     const auto vertices_read = static_cast<std::uint64_t>(first_.size());
     for (std::size_t t = 0; t < corners_.size(); ++t) {
-      for (int k = 0; k < 3; ++k) find_wedge(mesh_.triangles[t][k], corners_[t][k], mesh_.material_of(t));
+      for (int k = 0; k < 3; ++k) find_wedge(mesh_.triangles[t][k], corners_[t][k], kind_of(t));
       if (vertices_read + extra_.wedges().size() >= no_id) return false;
     }
     number_vertices();
@@ -108,19 +110,23 @@ class WedgeFormer {
   }
 
  private:
+  [[nodiscard]] std::uint32_t kind_of(std::size_t t) const {
+    return kinds_.empty() ? std::uint32_t{mesh_.material_of(t)} : kinds_[t];
+  }
+
   // Replaces the vertex as read at a corner by its wedge: the vertex itself for its first wedge, else a number from
   // extra_.
-  void find_wedge(VertexId vertex, VertexId& corner, MaterialId material) {
+  void find_wedge(VertexId vertex, VertexId& corner, std::uint32_t kind) {
     VertexId& first = first_[vertex];
     if (first == no_id) {
       first = corner;
-      if (!first_material_.empty()) first_material_[vertex] = material;
+      if (!first_kind_.empty()) first_kind_[vertex] = kind;
     }
-    const bool same_material = first_material_.empty() || first_material_[vertex] == material;
-    if (same_material && extra_.have_equal_attributes(first, corner))
+    const bool same_kind = first_kind_.empty() || first_kind_[vertex] == kind;
+    if (same_kind && extra_.have_equal_attributes(first, corner))
       corner = vertex;
     else
-      corner = static_cast<VertexId>(first_.size()) + extra_.find_or_add({vertex, corner, material});
+      corner = static_cast<VertexId>(first_.size()) + extra_.find_or_add({vertex, corner, kind});
   }
 
   void number_vertices() {
@@ -184,9 +190,10 @@ class WedgeFormer {
 
   TriangleMesh& mesh_;
   std::vector<Triangle> corners_;
+  std::span<const std::uint32_t> kinds_;
   std::vector<VertexId> first_;  // by vertex: the vertex as read whose attributes its first wedge has; no_id when
                                  // unused
-  std::vector<MaterialId> first_material_;  // by vertex; empty when all triangles have one material
+  std::vector<std::uint32_t> first_kind_;  // by vertex; empty when all triangles have one kind
   ExtraWedges extra_;
   std::vector<VertexId> new_id_;       // by vertex
   std::vector<WedgeId> new_extra_id_;  // by number in extra_
@@ -196,7 +203,37 @@ class WedgeFormer {
 }  // namespace
 
 bool form_wedges(TriangleMesh& mesh, std::vector<Triangle> read_corners) {
-  return WedgeFormer(mesh, std::move(read_corners)).run();
+  return WedgeFormer(mesh, std::move(read_corners), {}).run();
+}
+
+TriangleMesh part_features(TriangleMesh mesh) {
+  if (mesh.triangle_features.empty()) return mesh;
+  using Kind = std::pair<MaterialId, FeatureId>;
+  std::vector<Kind> all;
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+    if (const Kind kind{mesh.material_of(t), mesh.triangle_features[t]}; all.empty() || all.back() != kind)
+      all.push_back(kind);
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  std::vector<std::uint32_t> kinds;
+  kinds.reserve(mesh.triangle_count());
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const auto found = std::lower_bound(all.begin(), all.end(), Kind{mesh.material_of(t), mesh.triangle_features[t]});
+    kinds.push_back(static_cast<std::uint32_t>(found - all.begin()));
+  }
+  std::vector<Triangle> corners = mesh.corners.empty() ? mesh.triangles : std::move(mesh.corners);
+  mesh.corners.clear();
+  mesh.extra_wedges.clear();
+  if (!WedgeFormer(mesh, std::move(corners), kinds).run())
+    throw Error({"mesh", "", "has too many vertices", "split it into parts"});
+  return mesh;
+}
+
+std::vector<FeatureId> wedge_features(const TriangleMesh& mesh) {
+  std::vector<FeatureId> features(mesh.triangle_features.empty() ? 0 : mesh.wedge_count(), 0);
+  for (std::size_t t = 0; t < mesh.triangle_features.size(); ++t)
+    for (int k = 0; k < 3; ++k) features[mesh.wedge_triangles()[t][k]] = mesh.triangle_features[t];
+  return features;
 }
 
 namespace {
@@ -246,6 +283,8 @@ TriangleMesh merge_wedges(const TriangleMesh& mesh) {
   merged.colors = first_ones(mesh.colors, mesh.vertex_count());
   merged.triangles = mesh.triangles;
   merged.origin = mesh.origin;
+  merged.triangle_features = mesh.triangle_features;
+  merged.feature_names = mesh.feature_names;
   if (!mesh.normals.empty()) merge_normals(mesh, merged.normals);
   if (!mesh.colors.empty()) merge_colors(mesh, merged.colors);
   return merged;
@@ -297,6 +336,8 @@ class Creaser {
       take_groups(v);
     }
     result_.triangle_materials = mesh_.triangle_materials;
+    result_.triangle_features = mesh_.triangle_features;
+    result_.feature_names = mesh_.feature_names;
     result_.materials = mesh_.materials;
     result_.textures = mesh_.textures;
     result_.texture_origin = mesh_.texture_origin;

@@ -47,4 +47,11 @@ inline glm::vec3 normal_along(const glm::dvec3& sum) {
 // ids for the wedges. Expected O(n).
 [[nodiscard]] bool form_wedges(TriangleMesh& mesh, std::vector<Triangle> read_corners);
 
+// Returns a cleaned mesh with wedges formed anew, so that all triangles that use one have the same feature, too.
+// Vertices keep their order. Throws Error when there are not enough ids for the wedges. Expected O(n log n).
+[[nodiscard]] TriangleMesh part_features(TriangleMesh mesh);
+
+// Returns the feature of each wedge of such a mesh; empty when triangles name none. O(n).
+[[nodiscard]] std::vector<FeatureId> wedge_features(const TriangleMesh& mesh);
+
 }  // namespace occlod

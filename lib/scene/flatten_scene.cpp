@@ -119,6 +119,45 @@ std::string SceneMaterials::name_of_image(std::string file, const std::filesyste
   return (near.empty() || *near.begin() == ".." ? image : near).generic_string();
 }
 
+// Collects the features of the objects of a scene, each object's its own. Objects without share one without a name.
+class SceneFeatures {
+ public:
+  // Adds to `names`, which outlives it.
+  explicit SceneFeatures(std::vector<std::string>& names) : names_(names) {}
+
+  // Begins the next object, whose mesh has these names.
+  void begin(const std::vector<std::string>& of_object) {
+    is_named_ = !of_object.empty();
+    if (!is_named_) {
+      if (!names_.empty()) unnamed();
+      has_unnamed_ = true;
+      return;
+    }
+    if (has_unnamed_) unnamed();  // becomes the first, which those before have
+    first_ = static_cast<FeatureId>(names_.size());
+    names_.insert(names_.end(), of_object.begin(), of_object.end());
+  }
+  // Appends the features of a mesh of the object to those of the `count` triangles before, unless all have the first.
+  void append(const TriangleMesh& mesh, std::size_t count, std::vector<FeatureId>& all) const {
+    if (names_.size() < 2) return;
+    all.resize(count, 0);
+    for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+      all.push_back(is_named_ ? first_ + mesh.feature_of(t) : *unnamed_);
+  }
+
+ private:
+  void unnamed() {
+    if (unnamed_) return;
+    unnamed_ = static_cast<FeatureId>(names_.size());
+    names_.emplace_back();
+  }
+
+  std::vector<std::string>& names_;
+  std::optional<FeatureId> unnamed_;
+  FeatureId first_ = 0;
+  bool is_named_ = false, has_unnamed_ = false;
+};
+
 // Tells whether the positions of a mesh that is placed so are already relative to the origin, 0 not being one.
 bool has_origin(const TriangleMesh& mesh, const glm::dmat4& object_to_world, const glm::dvec3& origin) {
   return origin != glm::dvec3(0.0) && mesh.origin == origin &&
@@ -154,6 +193,7 @@ class MeshJoiner {
   Origin origin_;
   TriangleMesh all_;
   SceneMaterials materials_;  // of all_
+  SceneFeatures features_;    // of all_
   std::size_t count_ = 0;     // number of meshes
 };
 
@@ -167,8 +207,8 @@ void append_texture_coordinates(TriangleMesh& all, const TriangleMesh& mesh, Ver
   }
 }
 
-// Appends everything except materials. Once any mesh has texture coordinates, earlier vertices without them get (0, 0).
-// `object_to_world` is that of the mesh's positions, `origin` that of all.
+// Appends everything except materials and features. Once any mesh has texture coordinates, earlier vertices without
+// them get (0, 0). `object_to_world` is that of the mesh's positions, `origin` that of all.
 void append_placed(TriangleMesh& all, const TriangleMesh& mesh, const glm::dmat4& object_to_world,
                    const Origin& origin) {
   const auto first = static_cast<VertexId>(all.positions.size());
@@ -202,13 +242,15 @@ UpAxis placed_up(UpAxis up, const glm::dmat4& object_to_world) {
 }
 
 MeshJoiner::MeshJoiner(std::string name, const std::filesystem::path& folder, const Origin& origin)
-    : name_(std::move(name)), origin_(origin), materials_(all_, name_, folder) {}
+    : name_(std::move(name)), origin_(origin), materials_(all_, name_, folder), features_(all_.feature_names) {}
 
 void MeshJoiner::add(const TriangleMesh& mesh, const glm::dmat4& object_to_world, const std::string& source_name) {
   if (all_.positions.size() + mesh.positions.size() > std::numeric_limits<VertexId>::max())
     throw Error(
         {name_, fmt::format("/objects/{}", count_), "makes 2^32 vertices or more of all objects", "use fewer objects"});
   if (all_.texture_coordinates.empty()) all_.texture_origin = mesh.texture_origin;
+  features_.begin(mesh.feature_names);
+  features_.append(mesh, all_.triangles.size(), all_.triangle_features);
   append_placed(all_, mesh, object_to_world, origin_);
   materials_.add_triangles(mesh, source_name);
   const UpAxis up = placed_up(mesh.up, object_to_world);
@@ -304,7 +346,8 @@ class SceneStreamer {
         progress_(progress),
         sink_(sink),
         reader_(scene, folder, progress),
-        materials_(table_, scene.name, folder) {}
+        materials_(table_, scene.name, folder),
+        features_(table_.feature_names) {}
 
   // `origin` is that of find_origin().
   void run(const Origin& origin) {
@@ -313,7 +356,9 @@ class SceneStreamer {
     for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
       if (progress_) progress_("reading " + scene_.name, static_cast<double>(i) / count);
       const std::string name = reader_.name(i);
+      bool is_first = true;
       visit(i, [&](const TriangleMesh& piece, const TriangleMesh& look) {
+        if (std::exchange(is_first, false)) features_.begin(look.feature_names);
         add(piece, i, materials_.first_of(look, name));
       });
       sink_.add_counts(counts_of(i));
@@ -332,7 +377,7 @@ class SceneStreamer {
   }
 
  private:
-  // Calls take(piece, look), where `look` has the materials of the object.
+  // Calls take(piece, look), where `look` has the materials of the object, and the names of its features.
   template <typename Take>
   void visit(std::size_t object, const Take& take) {
     const std::string name = reader_.name(object);
@@ -401,6 +446,8 @@ class SceneStreamer {
       for (std::size_t t = 0; t < piece.triangle_count(); ++t)
         placed.triangle_materials.push_back(static_cast<MaterialId>(first + piece.material_of(t)));
     }
+    features_.append(piece, 0, placed.triangle_features);
+    placed.feature_names = table_.feature_names;
     sink_.add(placed);
   }
 
@@ -408,8 +455,9 @@ class SceneStreamer {
   const Progress& progress_;
   hlod::TriangleSink& sink_;
   MeshReader reader_;
-  TriangleMesh table_;  // materials and textures so far
+  TriangleMesh table_;  // materials, textures and names of features so far
   SceneMaterials materials_;
+  SceneFeatures features_;
   std::optional<TextureOrigin> origin_;
   Origin whole_;
   std::optional<UpAxis> up_;                // of all so far

@@ -5,6 +5,7 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -45,6 +46,7 @@ struct MeshArrays {
   std::optional<ArrayLike> extra_wedges;
   std::optional<ArrayLike> corners;
   std::optional<ArrayLike> triangle_materials;
+  std::optional<ArrayLike> triangle_features;
 };
 
 TriangleMesh make_mesh(const ArrayLike& positions, const ArrayLike& triangles, const MeshArrays& arrays) {
@@ -59,6 +61,7 @@ TriangleMesh make_mesh(const ArrayLike& positions, const ArrayLike& triangles, c
   if (arrays.corners) mesh.corners = to_triangles(*arrays.corners, "corners");
   if (arrays.triangle_materials)
     mesh.triangle_materials = to_material_ids(*arrays.triangle_materials, "triangle_materials");
+  if (arrays.triangle_features) mesh.triangle_features = to_ids(*arrays.triangle_features, "triangle_features");
   return mesh;
 }
 
@@ -201,6 +204,12 @@ void require_valid_wedges(const TriangleMesh& mesh) {
           "triangle " + std::to_string(t),
           "has material " + std::to_string(mesh.triangle_materials[t]) + " of " + std::to_string(mesh.materials.size()),
           "materials are counted from 0");
+  for (std::size_t t = 0; t < mesh.triangle_features.size(); ++t)
+    if (mesh.triangle_features[t] >= mesh.feature_names.size())
+      fail("triangle " + std::to_string(t),
+           "has feature " + std::to_string(mesh.triangle_features[t]) + " of " +
+               std::to_string(mesh.feature_names.size()),
+           "features are counted from 0, and each has a name");
   for (std::size_t m = 0; m < mesh.materials.size(); ++m)
     if (const TextureId texture = mesh.materials[m].texture_beyond(mesh.textures.size()); texture != no_texture)
       fail("material " + std::to_string(m),
@@ -209,8 +218,8 @@ void require_valid_wedges(const TriangleMesh& mesh) {
 }
 
 // For pickling: the arrays as bytes, and what is none.
-using MeshState = std::tuple<std::array<nb::bytes, 8>, std::vector<Material>, std::vector<Texture>, TextureOrigin,
-                             glm::dvec3, UpAxis>;
+using MeshState = std::tuple<std::array<nb::bytes, 9>, std::vector<Material>, std::vector<Texture>, TextureOrigin,
+                             glm::dvec3, UpAxis, std::vector<std::string>>;
 
 template <typename Element>
 nb::bytes bytes_of(const std::vector<Element>& values) {
@@ -227,18 +236,20 @@ void set_from(std::vector<Element>& values, const nb::bytes& bytes) {
 
 MeshState state_of(const TriangleMesh& m) {
   return {{bytes_of(m.positions), bytes_of(m.normals), bytes_of(m.colors), bytes_of(m.texture_coordinates),
-           bytes_of(m.extra_wedges), bytes_of(m.triangles), bytes_of(m.corners), bytes_of(m.triangle_materials)},
+           bytes_of(m.extra_wedges), bytes_of(m.triangles), bytes_of(m.corners), bytes_of(m.triangle_materials),
+           bytes_of(m.triangle_features)},
           m.materials,
           m.textures,
           m.texture_origin,
           m.origin,
-          m.up};
+          m.up,
+          m.feature_names};
 }
 
 TriangleMesh mesh_of(const MeshState& state) {
   TriangleMesh m;
   const auto& arrays = std::get<0>(state);
-  std::tie(std::ignore, m.materials, m.textures, m.texture_origin, m.origin, m.up) = state;
+  std::tie(std::ignore, m.materials, m.textures, m.texture_origin, m.origin, m.up, m.feature_names) = state;
   set_from(m.positions, arrays[0]);
   set_from(m.normals, arrays[1]);
   set_from(m.colors, arrays[2]);
@@ -247,6 +258,7 @@ TriangleMesh mesh_of(const MeshState& state) {
   set_from(m.triangles, arrays[5]);
   set_from(m.corners, arrays[6]);
   set_from(m.triangle_materials, arrays[7]);
+  set_from(m.triangle_features, arrays[8]);
   return m;
 }
 
@@ -261,6 +273,7 @@ void require_valid(const TriangleMesh& mesh) {
   require_size("texture_coordinates", mesh.texture_coordinates.size(), wedges, "positions");
   require_size("corners", mesh.corners.size(), mesh.triangle_count(), "triangles");
   require_size("triangle_materials", mesh.triangle_materials.size(), mesh.triangle_count(), "triangles");
+  require_size("triangle_features", mesh.triangle_features.size(), mesh.triangle_count(), "triangles");
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle& t = mesh.triangles[i];
     const std::uint32_t largest = std::max({t.x, t.y, t.z});
@@ -284,24 +297,28 @@ void bind_mesh(nb::module_& m) {
              const std::optional<ArrayLike>& normals, const std::optional<ArrayLike>& colors,
              const std::optional<ArrayLike>& texture_coordinates, const std::optional<ArrayLike>& extra_wedges,
              const std::optional<ArrayLike>& corners, const std::optional<ArrayLike>& triangle_materials,
-             std::vector<Material> materials, std::vector<Texture> textures, TextureOrigin texture_origin) {
-            TriangleMesh mesh =
-                make_mesh(positions, triangles,
-                          {normals, colors, texture_coordinates, extra_wedges, corners, triangle_materials});
+             std::vector<Material> materials, std::vector<Texture> textures, TextureOrigin texture_origin,
+             const std::optional<ArrayLike>& triangle_features, std::vector<std::string> feature_names) {
+            TriangleMesh mesh = make_mesh(
+                positions, triangles,
+                {normals, colors, texture_coordinates, extra_wedges, corners, triangle_materials, triangle_features});
             mesh.materials = std::move(materials);
             mesh.textures = std::move(textures);
             mesh.texture_origin = texture_origin;
+            mesh.feature_names = std::move(feature_names);
             require_valid(mesh);
             new (self) TriangleMesh(std::move(mesh));
           },
           "positions"_a, "triangles"_a, "normals"_a = nb::none(), "colors"_a = nb::none(),
           "texture_coordinates"_a = nb::none(), nb::kw_only(), "extra_wedges"_a = nb::none(), "corners"_a = nb::none(),
           "triangle_materials"_a = nb::none(), "materials"_a = nb::make_tuple(), "textures"_a = nb::make_tuple(),
-          "texture_origin"_a = TextureOrigin::bottom_left,
+          "texture_origin"_a = TextureOrigin::bottom_left, "triangle_features"_a = nb::none(),
+          "feature_names"_a = nb::make_tuple(),
           "Copies the arrays: positions (n, 3), normals (n, 3) and texture_coordinates (n, 2) to float32, relative to\n"
           "an origin where floats would lose digits of float64 or integer positions, triangles\n"
           "(m, 3) and corners (m, 3) to uint32, colors (n, 4) of uint8, sRGB and alpha, triangle_materials (m,) to\n"
-          "uint16. TypeError for other shapes, Error for an index out of range. A mesh with a vertex for each set of\n"
+          "uint16, triangle_features (m,) to uint32. TypeError for other shapes, Error for an index out of range. A\n"
+          "mesh with a vertex for each set of\n"
           "attributes needs no corners: clean() finds its wedges.")
       .def_static("empty", &make_empty, "vertices"_a, "triangles"_a, nb::kw_only(), "normals"_a = false,
                   "colors"_a = false, "texture_coordinates"_a = false,
@@ -336,6 +353,11 @@ void bind_mesh(nb::module_& m) {
           "What to draw with positions and attributes: corners, or triangles without extra wedges.")
       .def_prop_ro("triangle_materials", writable_or_none<std::uint16_t, 1>(&TriangleMesh::triangle_materials),
                    "(m,) uint16: the material of each triangle, or None: all have the first, if any. A writable view.")
+      .def_prop_ro("triangle_features", writable_or_none<std::uint32_t, 1>(&TriangleMesh::triangle_features),
+                   "(m,) uint32: the part of the input that each triangle belongs to, or None: all have the first, if\n"
+                   "any. HLODs and tilesets keep it. A writable view.")
+      .def_rw("feature_names", &TriangleMesh::feature_names,
+              "List of str, that triangle_features counts: a copy; set as a whole.")
       .def_prop_rw(
           "materials", [](const TriangleMesh& mesh) { return tuple_of<Material>(mesh.materials); },
           [](TriangleMesh& mesh, std::vector<Material> materials) { mesh.materials = std::move(materials); },

@@ -1,6 +1,7 @@
 // cesium.js URL --cameras FILE [--error PX] [--size WxH] [--png FILE] [--frame N]: CesiumJS in headless Chromium on the page of `occlod serve`,
 // along a path. FILE: JSON, {"cameras": [{eye, target, up, fov_y_deg}]}, in the tileset's coordinates. Waits at each camera until all tiles are loaded,
-// drawing nothing meanwhile, since software takes long for that, and then draws one frame.
+// drawing nothing meanwhile, since software takes long for that, and then draws one frame. Where a camera has a `click`, a point, a mouse is clicked
+// there, and `picked` is what the page names.
 // Prints one JSON object; exit 1 when a tile failed or the page complained. The picture is of camera N, without the panel.
 import { readFileSync } from "node:fs";
 import { option, open } from "./browser.js";
@@ -41,9 +42,16 @@ for (const [index, camera] of cameras.entries()) {
     await frame();
     const counts = tileset.statistics;
     const texels = (length) => length / 4;  // it counts no smaller sizes
+    const clicked = at.click && Cesium.SceneTransforms.worldToWindowCoordinates(viewer.scene, point(at.click));
     const shown = tileset._selectedTiles.reduce((sum, tile) => sum + tile.content.texturesByteLength, 0);
-    return { texels: texels(shown), resident_texels: texels(counts.texturesByteLength), triangles: counts.numberOfTrianglesSelected, tiles: counts.selected, ms: performance.now() - begin };
+    return { clicked, texels: texels(shown), resident_texels: texels(counts.texturesByteLength), triangles: counts.numberOfTrianglesSelected, tiles: counts.selected, ms: performance.now() - begin };
   }, camera));
+  const row = rows.at(-1);
+  if (row.clicked) {
+    await page.evaluate("document.getElementById('panel').style.display = 'none'");
+    await page.mouse.click(row.clicked.x, row.clicked.y);
+    row.picked = await page.evaluate("window.occlod.picked");
+  }
   if (index === Number(option("--frame", "0")) && option("--png", "")) {
     await page.evaluate("document.getElementById('panel').style.display = document.querySelector('.cesium-viewer-bottom').style.display = 'none'");
     await page.screenshot({ path: option("--png") });

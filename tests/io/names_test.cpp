@@ -243,7 +243,7 @@ TEST_F(Names, OtherKeywordsOfObjAreCounted) {
     const char* name;
   };
   for (const Line& line :
-       {Line{"o x", "objects (o)"}, Line{"g x", "groups (g)"}, Line{"s 1", "smoothing groups (s)"},
+       {Line{"o x", "unused objects (o)"}, Line{"g x", "unused groups (g)"}, Line{"s 1", "smoothing groups (s)"},
         Line{"l 1 2", "lines (l)"}, Line{"p 1", "points (p)"}, Line{"v 0 0 0 0.5", "weights of vertices (v)"},
         Line{"vt 0 0", "unused texture coordinates (vt)"}, Line{"vn 0 0 1", "unused normals (vn)"},
         Line{"mtllib no.mtl", "missing libraries (mtllib)"}, Line{"usemtl no", "undefined materials (usemtl)"}})

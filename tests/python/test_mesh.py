@@ -113,6 +113,18 @@ class Wedges(unittest.TestCase):
         self.assertIsNone(self.read.corners)
         self.assertTrue(numpy.shares_memory(self.read.wedge_triangles, self.read.triangles))
 
+    def test_features(self):
+        """They go in, through a pickle, and to the tables of tiles."""
+        mesh, names = self.mesh, ["upper", "lower \u00df"]
+        features = (mesh.positions[mesh.triangles][:, :, 2].mean(axis=1) < mesh.positions[:, 2].mean()).astype(int)
+        parted = occlod.Mesh(mesh.positions[:mesh.vertex_count], mesh.triangles, triangle_features=features, feature_names=names)
+        for one in (parted, pickle.loads(pickle.dumps(parted)), parted.clean()[0]):
+            numpy.testing.assert_array_equal(one.triangle_features, features)
+            self.assertEqual(one.feature_names, names)
+        self.assertIsNone(mesh.triangle_features)
+        with self.assertRaisesRegex(occlod.Error, "triangle 0: has feature [01] of 0"):
+            occlod.Mesh(mesh.positions[:mesh.vertex_count], mesh.triangles, triangle_features=features)
+
     def test_go_in_as_they_come_out(self):
         mesh = self.mesh
         again = occlod.Mesh(mesh.positions, mesh.triangles, colors=mesh.colors, texture_coordinates=mesh.texture_coordinates,

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "hlod/tiles/encode_tile.h"
+#include "mesh/wedges.h"
 #include "tile_support.h"
 
 namespace occlod::tiles {
@@ -60,6 +61,32 @@ TEST(Content, FloatsAreExact) {
   for (const glm::vec3& p : tile.mesh.positions) box.take(glm::dvec3(p));
   EXPECT_EQ(content.box.min, box.min);
   EXPECT_EQ(content.box.max, box.max);
+}
+
+// Of eight features the tile has the fourth and the last, the upper and the lower half of its triangles; what reads it
+// has their names, and knows the halves apart, compressed or not.
+TEST(Content, FeaturesHaveNames) {
+  const std::vector<std::string> names = {"0", "1", "2", "Dach, gro\xc3\x9f", "4", "5", "6", ""};
+  TriangleMesh mesh = colorful_tile().mesh;
+  const auto is_upper = [&](const TriangleMesh& of, const Triangle& t) {
+    return of.positions[t.x].z + of.positions[t.y].z + of.positions[t.z].z > 0.75F;  // around z = 0.25
+  };
+  for (const Triangle& t : mesh.triangles) mesh.triangle_features.push_back(is_upper(mesh, t) ? 0 : 1);
+  mesh.feature_names.resize(2);
+  mesh = part_features(std::move(mesh));
+  mesh.triangles = std::move(mesh.corners);
+  mesh.corners.clear();
+  mesh.extra_wedges.clear();
+  const TileMesh tile{.mesh = mesh, .features = {3, 7}};
+  TileLook look;
+  look.feature_names = names;
+  for (const Compression compression : {Compression::none, Compression::meshopt}) {
+    if (compression == Compression::meshopt && !has_meshopt()) continue;
+    const TriangleMesh read = decoded(encode_tile(tile, look, {compression, 0}, errors));
+    ASSERT_EQ(read.triangle_features.size(), mesh.triangles.size());
+    for (std::size_t t = 0; t < read.triangle_count(); ++t)
+      EXPECT_EQ(read.feature_names[read.triangle_features[t]], is_upper(read, read.triangles[t]) ? names[3] : names[7]);
+  }
 }
 
 TEST(Content, QuantisedLiesOnTheLattice) {

@@ -225,7 +225,7 @@ TEST(TileImage, FinestTilesShowTheSource) {
   const SourceTextures sources = sources_of(hlod);
   ASSERT_EQ(sources.images().size(), 1U);
   hlod::NodeId leaf = hlod.data().levels[0].first_node;
-  const TriangleMesh before = tile_mesh(hlod, leaf, 60.0, {}).mesh;
+  const TriangleMesh before = tile_mesh(hlod, leaf, {}).mesh;
   TriangleMesh after = before;
   const TileImage image = make_tile_image(after, sources, 0.0);
   EXPECT_EQ(image.charts, 2U);
@@ -251,7 +251,7 @@ TEST(TileImage, NothingBleedsIntoCharts) {
   add_sheet(mesh, 8, {20, 0, 0}, glm::vec2(128.0F, 16.0F) / 256.0F, glm::vec2(240.0F, 240.0F) / 256.0F);
   const hlod::Hlod hlod = nested_hlod(mesh, 4096);
   const SourceTextures sources = sources_of(hlod);
-  const TriangleMesh before = tile_mesh(hlod, hlod.data().levels[0].first_node, 60.0, {}).mesh;
+  const TriangleMesh before = tile_mesh(hlod, hlod.data().levels[0].first_node, {}).mesh;
   for (const double texel_size : {0.1, 0.3, 0.8, 3.0}) {
     TriangleMesh after = before;
     const TileImage image = make_tile_image(after, sources, texel_size);
@@ -307,7 +307,7 @@ TEST(TileImage, ChartsMayCrossTheEdgeOfAnImage) {
   const hlod::Hlod hlod = nested_hlod(mesh, 4096);
   const SourceTextures sources = sources_of(hlod);
   ASSERT_EQ(sources.images().size(), 1U);
-  const TriangleMesh before = tile_mesh(hlod, hlod.data().levels[0].first_node, 60.0, {}).mesh;
+  const TriangleMesh before = tile_mesh(hlod, hlod.data().levels[0].first_node, {}).mesh;
   TriangleMesh after = before;
   const TileImage image = make_tile_image(after, sources, 0.0);
   const auto repeated = [](int x, int y) { return own_color((x % 128 + 128) % 128, (y % 128 + 128) % 128); };

@@ -10,7 +10,8 @@ COMPONENTS = {5120: ("b", 1), 5121: ("B", 1), 5122: ("h", 2), 5123: ("H", 2), 51
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 WRAPS = {33071, 33648, 10497}  # of textures: clamp, mirror, repeat
 MESHOPT = "EXT_meshopt_compression"
-OPTIONAL = {"KHR_texture_transform", "KHR_materials_unlit"}
+FEATURES = {"EXT_mesh_features", "EXT_structural_metadata"}
+OPTIONAL = {"KHR_texture_transform", "KHR_materials_unlit"} | FEATURES
 IMAGES = {"image/webp": "EXT_texture_webp", "image/ktx2": "KHR_texture_basisu", "image/vnd-ms.dds": "MSFT_texture_dds", "image/avif": "EXT_texture_avif"}
 
 
@@ -26,7 +27,7 @@ class Glb:
     """Reads and checks; Wrong names `file`. `triangles` are counted; `low` and `high` bound the vertices in the tile's axes, z up."""
 
     def __init__(self, path, file):
-        self.folder, self.triangles = path.parent, 0
+        self.folder, self.triangles, self.names = path.parent, 0, None
         self.low, self.high = [math.inf] * 3, [-math.inf] * 3
         self.read(path, file)
         self.check()
@@ -68,6 +69,7 @@ class Glb:
             self.check_view(view)
         for accessor in self.accessors:
             self.check_accessor(accessor)
+        tables = self.check_table() if FEATURES & set(used) else []
         primitives = meshes[0]["primitives"].list()
         meshes[0].require(primitives, "has no primitives")
         for primitive in primitives:
@@ -76,9 +78,54 @@ class Glb:
         named = [name for primitive in primitives for name in (primitive["indices"], *(primitive["attributes"][key] for key in primitive["attributes"].value))]
         require_used(self.accessors, named, once=True)
         images = self.gltf["images"].list() if "images" in self.gltf else []
-        views = [owner["bufferView"] for owner in (*self.accessors, *images) if "bufferView" in owner]
+        views = [owner["bufferView"] for owner in (*self.accessors, *images) if "bufferView" in owner] + tables
         require_used(self.views, views, once=True)
         require_used(self.materials, (primitive["material"] for primitive in primitives))
+
+    def check_table(self):
+        """The table of features: their ids and names. Returns what names its buffer views."""
+        metadata = self.gltf["extensions"].object(["EXT_structural_metadata"], [])["EXT_structural_metadata"].object(["schema", "propertyTables"], [])
+        classes = metadata["schema"].object(["id", "classes"], [])["classes"].object(["feature"], [])
+        properties = classes["feature"].object(["properties"], [])["properties"].object(["id", "name"], [])
+        is_ours = properties["id"].value == {"type": "SCALAR", "componentType": "UINT32", "required": True} \
+            and properties["name"].value == {"type": "STRING", "required": True, "semantic": "NAME"}
+        properties.require(is_ours, "are not those of features")
+        tables = metadata["propertyTables"].list()
+        metadata["propertyTables"].require(len(tables) == 1, "are not one")
+        table = tables[0].object(["class", "count", "properties"], [])
+        table["class"].require(table["class"].value == "feature", "is unknown")
+        count = table["count"].integer(1)
+        columns = table["properties"].object(["id", "name"], [])
+        ids, names = columns["id"].object(["values"], [])["values"], columns["name"].object(["values", "stringOffsets", "stringOffsetType"], [])
+        names["stringOffsetType"].require(names["stringOffsetType"].value == "UINT32", "is not that of our offsets")
+        numbers, offsets = (struct.unpack(f"<{length}I", self.bytes_of(place, 4 * length)) for place, length in ((ids, count), (names["stringOffsets"], count + 1)))
+        ids.require(sorted(set(numbers)) == list(numbers), "are not ascending")
+        text = self.bytes_of(names["values"])
+        names.require(offsets[0] == 0 and sorted(offsets) == list(offsets) and offsets[-1] in (len(text), len(text) - (len(text) == 1)), "are not divided by their offsets")
+        try:
+            self.names = [text[a:b].decode() for a, b in zip(offsets, offsets[1:])]
+        except UnicodeDecodeError:
+            names.fail("are no UTF-8")
+        return [ids, names["values"], names["stringOffsets"]]
+
+    def bytes_of(self, place, size=None):
+        """What the buffer view has that a place names; of that size, if any is given."""
+        view = place.index_in(self.views, "a buffer view")
+        first, length = view["byteOffset"].value, view["byteLength"].value
+        place.require("target" not in view and first % 8 == 0 and size in (None, length), "names no view of its size for itself alone")
+        return self.bytes[first:first + length]
+
+    def check_features(self, primitive, accessor):
+        ids = primitive["extensions"].object(["EXT_mesh_features"], [])["EXT_mesh_features"].object(["featureIds"], [])["featureIds"].list()
+        primitive.require(len(ids) == 1 and self.names is not None, "has not one set of features, with a table")
+        described = ids[0].object(["featureCount", "attribute", "propertyTable"], [])
+        described.require(described["attribute"].value == 0 and described["propertyTable"].value == 0, "names another attribute or table")
+        count = described["featureCount"].integer(1)
+        described.require(count <= len(self.names), "counts more features than the table has")
+        if self.is_compressed:
+            return
+        rows = {row for row, in self.values(accessor)}
+        described.require(len(rows) == count and max(rows) < len(self.names), "counts other features than vertices have")
 
     def check_materials(self):
         gltf = self.gltf
@@ -161,7 +208,7 @@ class Glb:
 
     def check_view(self, view):
         self.check_range(view, 4)
-        if "target" not in view:  # an image
+        if "target" not in view:  # an image, or a column of a table
             view.object(["buffer", "byteOffset", "byteLength"], [])
             return view["buffer"].require(view["buffer"].value == 0, "has no bytes")
         view.object(["buffer", "byteOffset", "byteLength", "target"], ["byteStride", "extensions"])
@@ -203,9 +250,9 @@ class Glb:
             yield struct.unpack_from(f"<{count}{letter}", self.bytes, first + i * stride)
 
     def check_primitive(self, primitive):
-        primitive.object(["attributes", "indices", "material"], [])
+        primitive.object(["attributes", "indices", "material"], ["extensions"])
         primitive["material"].index_in(self.materials, "a material")
-        attributes = primitive["attributes"].object(["POSITION", "NORMAL"], ["COLOR_0", "TEXCOORD_0"])
+        attributes = primitive["attributes"].object(["POSITION", "NORMAL"], ["COLOR_0", "TEXCOORD_0", "_FEATURE_ID_0"])
         accessors = {name: attributes[name].index_in(self.accessors, "an accessor") for name in attributes.value}
         counts = {accessor["count"].value for accessor in accessors.values()}
         attributes.require(len(counts) == 1, "have different counts")
@@ -213,12 +260,16 @@ class Glb:
         kinds = {"POSITION": [("VEC3", 5123)] if self.is_quantised else [("VEC3", 5126)],
                  "NORMAL": [("VEC3", 5120)] if self.is_quantised else [("VEC3", 5126)],
                  "COLOR_0": [("VEC4", 5123)],
-                 "TEXCOORD_0": [("VEC2", 5126), ("VEC2", 5123)]}
+                 "TEXCOORD_0": [("VEC2", 5126), ("VEC2", 5123)],
+                 "_FEATURE_ID_0": [("SCALAR", 5123)]}
         for name, accessor in accessors.items():
             accessor.require((accessor["type"].value, accessor["componentType"].value) in kinds[name], f"has an unexpected type for {name}")
-            should_be = accessor["componentType"].value != 5126 and name != "POSITION"
+            should_be = accessor["componentType"].value != 5126 and name not in ("POSITION", "_FEATURE_ID_0")
             is_normalized = accessor["normalized"].value if "normalized" in accessor else False
             accessor.require(is_normalized is should_be, "is normalized and should not be, or the other way")
+        primitive.require(("extensions" in primitive) == ("_FEATURE_ID_0" in accessors) == (self.names is not None), "has features without a table, or the other way")
+        if "_FEATURE_ID_0" in accessors:
+            self.check_features(primitive, accessors["_FEATURE_ID_0"])
         indices = primitive["indices"].index_in(self.accessors, "an accessor")
         indices.require(indices["type"].value == "SCALAR" and indices["count"].value % 3 == 0, "holds no triangles")
         indices.require(indices["componentType"].value == (5123 if vertices < 65535 else 5125), "is wider or narrower than it need be")

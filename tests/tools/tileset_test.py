@@ -8,6 +8,7 @@ import subprocess
 import unittest
 import zlib
 
+import glb_check
 import tileset_check
 from tool_case import OCCLOD, TRIANGLES, ToolTest
 
@@ -64,6 +65,33 @@ class Tileset(ToolTest):
             self.assertEqual(told["tileset_files"], found["tilesets"])
             for key in ("tiles", "triangles", "leaves", "content_bytes"):
                 self.assertEqual(found[key], whole[key], key)
+
+    def test_features(self):
+        """Groups of an OBJ file, rows of squares, are in the tables of tiles, with one number and name everywhere."""
+        side, names = 24, [f"row {k}: \u00df" for k in range(24)]
+        lines = [f"v {i} {j} {(i * j) % 7 / 9}" for j in range(side + 1) for i in range(side + 1)]
+        for j in range(side):
+            lines.append(f"g {names[j]}")
+            lines += [f"f {a} {a + 1} {a + side + 2} {a + side + 1}" for i in range(side) for a in [j * (side + 1) + i + 1]]
+        (self.folder / "rows.obj").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        for options in ([], ["--quantise", 12, "--skirts"], ["--memory", "64M"]):
+            told = self.json_of("tiles", "rows.obj", "-o", "rows", "--node-triangles", 64, "--replace", *options)
+            self.assertEqual(told["features"], side)
+            self.check("rows")
+            found = {}
+            for path in (self.folder / "rows/tiles").rglob("*.glb"):
+                for number, name in self.features(path):
+                    self.assertEqual(found.setdefault(number, name), name)
+            self.assertEqual(found, dict(enumerate(names)))
+        self.assertEqual(self.export(folder="planet")["features"], 0)
+        self.assertNotIn("extensions", self.gltf(next((self.folder / "planet/tiles").rglob("*.glb"))))
+
+    def features(self, path):
+        """Pairs of number and name, of a tile."""
+        glb = glb_check.Glb(path, path.name)
+        (table,) = glb.gltf["extensions"]["EXT_structural_metadata"]["propertyTables"].list()
+        numbers = struct.unpack(f"<{len(glb.names)}I", glb.bytes_of(table["properties"]["id"]["values"]))
+        return list(zip(numbers, glb.names))
 
     def test_the_same_bytes_again(self):
         for folder in ("a", "b"):

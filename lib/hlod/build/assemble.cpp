@@ -90,6 +90,7 @@ struct NodeParts {
   std::vector<WedgeId> wedges;  // in the order of their first use
   std::vector<std::uint16_t> indices;
   std::vector<Patch> patches;
+  std::vector<FeatureRun> features;
 };
 
 constexpr std::size_t nodes_at_once = 512;  // number of nodes whose parts are in memory before they are written
@@ -133,6 +134,8 @@ class Assembler {
     data_.texture_origin = input.texture_origin;
     data_.origin = input.origin;
     data_.up = input.up;
+    data_.features.names = input.feature_names;
+    if (!input.feature_names.empty()) data_.features.first_run.push_back(0);
   }
 
   template <typename Visit>
@@ -172,20 +175,23 @@ class Assembler {
     return data_.levels[data_.nodes[n].level + 1U].first_node + place;
   }
 
-  // Divides the node's triangles into patches by ascending parent. Within a patch they are sorted by material, and
-  // otherwise keep their order.
+  // Divides the node's triangles into patches by ascending parent. Within a patch they are sorted by material and
+  // feature, and otherwise keep their order.
   void divide(LocalIds& ids, NodeId n, NodeParts& parts) const {
     const NodeDraft& draft = *drafts_[n];
     const LevelDraft& level = levels_[data_.nodes[n].level];
-    std::vector<std::tuple<NodeId, MaterialId, std::uint32_t>> order;
-    for (std::uint32_t t = draft.first_triangle; t < draft.first_triangle + draft.triangle_count; ++t)
-      order.emplace_back(
-          level.parent_of.empty() ? no_id : parent_id(n, level.parent_of[t]),
-          mesh_.wedge_materials.empty() ? MaterialId{0} : mesh_.wedge_materials[level.wedge_triangles()[t].x], t);
+    std::vector<std::tuple<NodeId, MaterialId, FeatureId, std::uint32_t>> order;
+    for (std::uint32_t t = draft.first_triangle; t < draft.first_triangle + draft.triangle_count; ++t) {
+      const WedgeId wedge = level.wedge_triangles()[t].x;
+      order.emplace_back(level.parent_of.empty() ? no_id : parent_id(n, level.parent_of[t]), mesh_.material_of(wedge),
+                         mesh_.feature_of(wedge), t);
+    }
     std::sort(order.begin(), order.end());
     parts = {};
     ids.reset(3 * order.size() + draft.bare_targets.size());
-    for (const auto& [parent, material, t] : order) {
+    for (const auto& [parent, material, feature, t] : order) {
+      if (!mesh_.wedge_features.empty() && (parts.features.empty() || parts.features.back().feature != feature))
+        parts.features.push_back({static_cast<std::uint32_t>(parts.indices.size() / 3), feature});
       if (parts.patches.empty() || parts.patches.back().parent != parent)
         parts.patches.push_back({parent, static_cast<std::uint32_t>(parts.indices.size()), 0});
       parts.patches.back().index_count += 3;
@@ -218,6 +224,9 @@ class Assembler {
     data_.patches.insert(data_.patches.end(), parts.patches.begin(), parts.patches.end());
     for (const std::uint32_t child : draft.children)
       data_.children.push_back(data_.levels[node.level - 1U].first_node + child);
+    FeatureData& features = data_.features;
+    features.runs.insert(features.runs.end(), parts.features.begin(), parts.features.end());
+    if (!features.names.empty()) features.first_run.push_back(static_cast<std::uint32_t>(features.runs.size()));
     if (parts.patches.empty() || parts.patches[0].parent == no_id) data_.roots.push_back(n);
     first_wedge_.push_back(wedges_.size());
     wedges_.insert(wedges_.end(), parts.wedges.begin(), parts.wedges.end());

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -23,6 +24,7 @@
 #include "hlod/build/simplify_nodes.h"
 #include "mesh/mesh_report.h"
 #include "mesh/stream_mesh.h"
+#include "mesh/wedges.h"
 #include "occlod/base.h"
 #include "occlod/build_hlod.h"
 #include "occlod/mesh.h"
@@ -118,9 +120,11 @@ void PieceCollector::add(const TriangleMesh& piece) {
   if (pieces_ == 0) raw_.origin = piece.origin;
   move_origin(cleaned.mesh, raw_.origin);
   add_counts_of_reading(pieces_read_, cleaned.report);
-  TriangleMesh in_order = PieceCutter(arrays_of(cleaned.mesh)).cut(0, cleaned.mesh.triangle_count());
-  in_order.materials = std::move(cleaned.mesh.materials);
-  in_order.textures = std::move(cleaned.mesh.textures);
+  TriangleMesh parted = part_features(std::move(cleaned.mesh));
+  TriangleMesh in_order = PieceCutter(arrays_of(parted)).cut(0, parted.triangle_count());
+  in_order.materials = std::move(parted.materials);
+  in_order.textures = std::move(parted.textures);
+  in_order.feature_names = std::move(parted.feature_names);
   append(in_order);
   ++pieces_;
 }
@@ -153,6 +157,12 @@ void PieceCollector::append(const TriangleMesh& piece) {
     else
       join(raw_.wedge_materials, wedge_materials(piece));
   }
+  if (!piece.triangle_features.empty() || !raw_.wedge_features.empty()) {
+    raw_.wedge_features.resize(first, 0);
+    join(raw_.wedge_features, wedge_features(piece));
+    raw_.wedge_features.resize(raw_.positions.size(), 0);
+  }
+  if (raw_.feature_names.size() < piece.feature_names.size()) raw_.feature_names = piece.feature_names;
   if (raw_.materials.size() < piece.materials.size()) {
     raw_.materials = piece.materials;
     raw_.textures = piece.textures;
@@ -188,6 +198,7 @@ void PieceCollector::round(float lattice_step) {
   keep_used(raw_.colors);
   keep_used(raw_.texture_coordinates);
   keep_used(raw_.wedge_materials);
+  keep_used(raw_.wedge_features);
   for (Triangle& t : raw_.triangles)
     for (int k = 0; k < 3; ++k) t[k] = place[t[k]];
 }
@@ -198,6 +209,7 @@ class PieceCollector::Welder {
   Welder(WedgeMesh raw, unsigned threads) : raw_(std::move(raw)), threads_(threads), wedge_of_(raw_.positions.size()) {
     result_.materials = std::move(raw_.materials);
     result_.textures = std::move(raw_.textures);
+    result_.feature_names = std::move(raw_.feature_names);
     result_.texture_origin = raw_.texture_origin;
     result_.origin = raw_.origin;
     result_.up = raw_.up;
@@ -221,6 +233,7 @@ class PieceCollector::Welder {
     gather(raw_.colors, result_.colors);
     gather(raw_.texture_coordinates, result_.texture_coordinates);
     gather(raw_.wedge_materials, result_.wedge_materials);
+    gather(raw_.wedge_features, result_.wedge_features);
     for (std::size_t i = vertices; i < sources_.size(); ++i)  // copied from their vertices, to the bit
       result_.positions[i] = glm::vec3(result_.positions[result_.extra_wedges[i - vertices]]);
     return std::move(result_);
@@ -288,8 +301,8 @@ class PieceCollector::Welder {
     }
   }
 
-  // Holds the bits of normal, colour, texture coordinates and material.
-  using Attributes = std::array<std::uint32_t, 7>;
+  // Holds the bits of normal, colour, texture coordinates, material and feature.
+  using Attributes = std::array<std::uint32_t, 8>;
   [[nodiscard]] Attributes attributes_of(VertexId v) const {
     Attributes attributes{};
     for (int k = 0; k < 3 && !raw_.normals.empty(); ++k)
@@ -297,7 +310,8 @@ class PieceCollector::Welder {
     if (!raw_.colors.empty()) attributes[3] = std::bit_cast<std::uint32_t>(raw_.colors[v]);
     for (int k = 0; k < 2 && !raw_.texture_coordinates.empty(); ++k)
       attributes[static_cast<std::size_t>(4 + k)] = bits_of(raw_.texture_coordinates[v][k]);
-    if (!raw_.wedge_materials.empty()) attributes[6] = raw_.wedge_materials[v];
+    attributes[6] = raw_.material_of(v);
+    attributes[7] = raw_.feature_of(v);
     return attributes;
   }
 
@@ -343,7 +357,14 @@ class PieceCollector::Welder {
   std::vector<Kind> kinds_;
 };
 
-WedgeMesh PieceCollector::weld() { return Welder(std::move(raw_), thread_count(threads_)).run(); }
+WedgeMesh PieceCollector::weld() {
+  const LargeVector<FeatureId>& features = raw_.wedge_features;
+  if (std::ranges::adjacent_find(features, std::ranges::not_equal_to{}) == features.end()) {
+    raw_.wedge_features = {};
+    raw_.feature_names.clear();
+  }
+  return Welder(std::move(raw_), thread_count(threads_)).run();
+}
 
 MeshReport PieceCollector::report(const WedgeMesh& mesh) const {
   MeshReport report = read_.vertices_read > 0 ? read_ : pieces_read_;

@@ -59,6 +59,7 @@ std::uint64_t hash_of(const WedgeMesh& mesh) {
   add(mesh.triangles);
   add(mesh.corners);
   add(mesh.wedge_materials);
+  add(mesh.wedge_features);
   return XXH3_64bits_digest(state.get());
 }
 

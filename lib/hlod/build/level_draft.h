@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -96,7 +97,9 @@ struct WedgeMesh {
   LargeVector<Triangle> triangles;
   LargeVector<Triangle> corners;
   LargeVector<MaterialId> wedge_materials;  // per wedge; empty when triangles name none
+  LargeVector<FeatureId> wedge_features;    // per wedge; empty where there are fewer than two
   std::vector<Material> materials;
+  std::vector<std::string> feature_names;
   std::vector<Texture> textures;
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
   glm::dvec3 origin{0.0};
@@ -107,6 +110,13 @@ struct WedgeMesh {
   [[nodiscard]] VertexId vertex_of(WedgeId wedge) const noexcept {
     return wedge < vertex_count() ? wedge : extra_wedges[wedge - vertex_count()];
   }
+  // Returns the material of a wedge; also 0 when triangles name none. feature_of() likewise.
+  [[nodiscard]] MaterialId material_of(WedgeId wedge) const {
+    return wedge_materials.empty() ? MaterialId{0} : wedge_materials[wedge];
+  }
+  [[nodiscard]] FeatureId feature_of(WedgeId wedge) const {
+    return wedge_features.empty() ? FeatureId{0} : wedge_features[wedge];
+  }
   // Returns whether a vertex may have several wedges.
   [[nodiscard]] bool has_seams() const noexcept { return !extra_wedges.empty(); }
   // Returns whether simplification takes attributes into account.
@@ -114,7 +124,7 @@ struct WedgeMesh {
     return has_seams() || !texture_coordinates.empty() || !normals.empty() || !colors.empty();
   }
 
-  // Adds a wedge of `vertex` with the attributes and the material of `like`.
+  // Adds a wedge of `vertex` with the attributes, the material and the feature of `like`.
   void add(VertexId vertex, WedgeId like) {
     const auto repeat = [](auto& values, WedgeId wedge) {
       if (!values.empty()) values.push_back(typename std::decay_t<decltype(values)>::value_type(values[wedge]));
@@ -124,12 +134,13 @@ struct WedgeMesh {
     repeat(colors, like);
     repeat(texture_coordinates, like);
     repeat(wedge_materials, like);
+    repeat(wedge_features, like);
     extra_wedges.push_back(vertex);
   }
 };
 
 // Returns the same mesh with its vertices along a Morton curve; those of one cell are in the order in which triangles
-// first use them, which a mesh that comes in pieces has too. O(n).
+// first use them, which a mesh that comes in pieces has too. Features get wedges of their own. O(n).
 [[nodiscard]] WedgeMesh to_wedge_mesh(const TriangleMesh& mesh, unsigned threads);
 
 // Records that wedge v of a node's input was merged, perhaps through others, into u.

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cassert>
 #include <deque>
 #include <filesystem>
 #include <initializer_list>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -107,9 +109,27 @@ class NodeSimplifier::Gatherer {
     copy(from.normals, input.wedges, input.mesh.normals);
     copy(from.colors, input.wedges, input.mesh.colors);
     copy(from.texture_coordinates, input.wedges, input.mesh.texture_coordinates);
+    if (!from.wedge_features.empty()) return number_kinds(input);
     if (from.wedge_materials.empty()) return;
     for (const Triangle& t : input.mesh.wedge_triangles())
       input.mesh.triangle_materials.push_back(from.wedge_materials[input.wedges[t.x]]);
+  }
+
+  // Gives each pair of a material and a feature a material of its own, so that features keep apart as materials do.
+  void number_kinds(GroupInput& input) const {
+    const std::vector<Triangle> triangles = input.mesh.wedge_triangles();
+    const auto kind_of = [&](const Triangle& t) {
+      return std::pair(all_.mesh_.material_of(input.wedges[t.x]), all_.mesh_.feature_of(input.wedges[t.x]));
+    };
+    std::vector<std::pair<MaterialId, FeatureId>> kinds;
+    for (const Triangle& t : triangles)
+      if (const auto kind = kind_of(t); kinds.empty() || kinds.back() != kind) kinds.push_back(kind);
+    std::sort(kinds.begin(), kinds.end());
+    kinds.erase(std::unique(kinds.begin(), kinds.end()), kinds.end());
+    assert(kinds.size() <= std::numeric_limits<MaterialId>::max());  // nodes have fewer triangles
+    for (const Triangle& t : triangles)
+      input.mesh.triangle_materials.push_back(
+          static_cast<MaterialId>(std::lower_bound(kinds.begin(), kinds.end(), kind_of(t)) - kinds.begin()));
   }
 
   const NodeSimplifier& all_;

@@ -71,7 +71,8 @@ HlodView view_of(const HlodData& data) {
           data.up,
           data.node_images,
           data.images,
-          data.image_materials};
+          data.image_materials,
+          view_of(data.features)};
 }
 
 Hlod make_hlod(HlodData data) {
@@ -107,7 +108,8 @@ HlodData copy_data(const Hlod& hlod) {
           view.up,
           to_vector(view.node_images),
           {view.images.begin(), view.images.end()},
-          to_vector(view.image_materials)};
+          to_vector(view.image_materials),
+          copy_of(view.features)};
 }
 
 Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner, std::shared_ptr<NodeGuard> guard) {
@@ -182,7 +184,8 @@ NodeSplits Hlod::within(NodeId n) const noexcept {
 std::size_t Hlod::bytes() const noexcept {
   return view_.nodes.size_bytes() + view_.patches.size_bytes() + view_.children.size_bytes() +
          view_.roots.size_bytes() + view_.levels.size_bytes() + view_.meshes.size_bytes() + view_.within.size_bytes() +
-         view_.splits.size_bytes() + view_.node_images.size_bytes() + view_.images.size_bytes();
+         view_.splits.size_bytes() + view_.node_images.size_bytes() + view_.images.size_bytes() +
+         view_.features.runs.size_bytes() + view_.features.first_run.size_bytes();
 }
 
 }  // namespace occlod::hlod

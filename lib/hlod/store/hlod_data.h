@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/memory.h"
+#include "hlod/store/features.h"
 #include "occlod/hlod.h"
 
 namespace occlod::hlod {
@@ -42,6 +43,7 @@ struct HlodData {
   std::vector<NodeImage> node_images;
   LargeVector<std::byte> images;
   std::vector<std::uint8_t> image_materials;
+  FeatureData features;
 };
 
 [[nodiscard]] HlodView view_of(const HlodData& data);

@@ -15,6 +15,7 @@
 #include "base/memory.h"
 #include "base/platform.h"
 #include "base/threads.h"
+#include "hlod/store/features.h"
 #include "hlod/store/hlod_data.h"
 #include "hlod/store/mesh_loader.h"
 #include "hlod/store/node_codec.h"
@@ -166,6 +167,8 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
   }
   MaterialSections materials;
   if (needs_wedges(view) || view.up != UpAxis::z) materials.add(view, writer, {image_folder, folder_of(path)});
+  hlod::FeatureSections features;
+  features.add(view.features, writer);
   FileKind kind = file_kind;
   kind.version = is_packed ? packed_version : needs_wedges(view) ? wedges_version : plain_version;
   if (writer.add_origin(view.origin)) kind.version = origin_version;
@@ -184,6 +187,7 @@ struct Owner {
   Materials materials;
   UninitializedVector<std::byte> meshes, splits;  // in a packed file: those of each node, once checked
   std::vector<hlod::Node> nodes;                  // of an old file, with boxes that hold everything
+  std::vector<std::string> feature_names;
 };
 
 void take(const Summary& summary, const SectionReader& reader, hlod::HlodView& view) {
@@ -220,14 +224,15 @@ struct Tables {
 };
 
 // Reads the tables. Throws Error.
-Tables read_tables(const std::shared_ptr<SectionReader>& reader, bool with_images = true) {
+// `is_far`: only what drawing needs is read, without images and features.
+Tables read_tables(const std::shared_ptr<SectionReader>& reader, bool is_far = false) {
   Tables tables;
   hlod::HlodView& view = tables.view;
   for_each_array(view, TableReader{*reader});
   take(reader->read_one<Summary>(summary_name, "summary"), *reader, view);
   if (reader->has(lattice_name)) view.lattice_step = reader->read_one<float>(lattice_name, "lattice step");
   view.origin = reader->read_origin();
-  tables.owner = std::make_shared<Owner>(Owner{reader, read_materials(*reader, with_images), {}, {}, {}});
+  tables.owner = std::make_shared<Owner>(Owner{reader, read_materials(*reader, !is_far), {}, {}, {}, {}});
   if (reader->header().version <= last_narrow_version) {
     tables.owner->nodes.assign(view.nodes.begin(), view.nodes.end());
     for (hlod::Node& node : tables.owner->nodes) node.box = node.lod_box;
@@ -237,9 +242,10 @@ Tables read_tables(const std::shared_ptr<SectionReader>& reader, bool with_image
   view.textures = tables.owner->materials.textures;
   view.texture_origin = tables.owner->materials.origin;
   view.up = tables.owner->materials.up;
+  if (!is_far) view.features = hlod::read_features(*reader, tables.owner->feature_names);
   tables.report = reader->read_report();
   if (reader->has(packed_meshes_name)) tables.compression = OlodCompression::zstd;
-  if (reader->has(node_images_name)) {
+  if (!is_far && reader->has(node_images_name)) {
     view.node_images = reader->read<hlod::NodeImage>(node_images_name);
     view.image_materials = reader->read<std::uint8_t>(image_materials_name);
     const std::uint64_t end = reader->bytes_of(images_name);
@@ -523,7 +529,7 @@ OhlodFile open_ohlod(const std::filesystem::path& path, const hlod::CacheOptions
 OhlodFile ohlod::open_ohlod(std::shared_ptr<const ByteSource> file, const std::filesystem::path& name,
                             const hlod::CacheOptions& cache, MakeQueue make_queue) {
   const auto reader = std::make_shared<SectionReader>(file, name, file_kind);
-  const auto [view, owner, report, compression] = read_tables(reader, make_queue == nullptr);
+  const auto [view, owner, report, compression] = read_tables(reader, make_queue != nullptr);
   std::optional<PackedNodes> packed;
   if (compression == OlodCompression::zstd)
     packed = read_packed(*reader, packed_meshes_name, mesh_places_name, view.nodes.size(),

@@ -91,6 +91,7 @@ class StructureCheck {
     if (const Problem problem = check_splits()) return problem;
     if (input_triangles != d_.input_triangle_count)
       return fmt::format("level 0 has {} triangles, not {}", input_triangles, d_.input_triangle_count);
+    if (const Problem problem = check_features(d_)) return problem;
     return check_roots();
   }
 

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "hlod/tiles/feature_table.h"
 #include "mesh/glb.h"
 #include "mesh/image_files.h"
 #include "mesh/mesh_writers.h"
@@ -131,7 +132,12 @@ std::uint16_t unsigned_short(float x) { return static_cast<std::uint16_t>(std::l
 class TileEncoder {
  public:
   TileEncoder(const TileMesh& tile, const TileLook& look, const TileFormat& format)
-      : mesh_(tile.mesh), image_(tile.image), look_(look), format_(format), origin_(near_origin(mesh_.positions)) {
+      : mesh_(tile.mesh),
+        image_(tile.image),
+        look_(look),
+        format_(format),
+        features_(tile, look.feature_names),
+        origin_(near_origin(mesh_.positions)) {
     if (format.quantise_bits > 0) lattice_.emplace(mesh_.positions, format.quantise_bits);
   }
 
@@ -140,6 +146,7 @@ class TileEncoder {
       if (is_compressed()) order_for_codec(primitive);
       add(primitive);
     }
+    if (!features_.empty()) features_.add_to(document_, buffer_);
     place();
     if (lattice_) document_.use_extension("KHR_mesh_quantization", true);
     if (is_compressed()) {
@@ -167,7 +174,9 @@ class TileEncoder {
     if (!mesh_.normals.empty()) attributes["NORMAL"] = lattice_ ? add_short_normals(primitive) : add_normals(primitive);
     if (needs_texture_coordinates(primitive)) attributes["TEXCOORD_0"] = add_texture_coordinates(primitive);
     if (!mesh_.colors.empty()) attributes["COLOR_0"] = add_colors(primitive);
+    if (!features_.empty()) attributes["_FEATURE_ID_0"] = add_feature_ids(primitive);
     Json described = {{"attributes", std::move(attributes)}};
+    if (!features_.empty()) described["extensions"]["EXT_mesh_features"] = features_.described(primitive.wedges);
     described["indices"] = add_indices(primitive);
     described["material"] = add_material(primitive.material);
     document_.primitives().push_back(std::move(described));
@@ -307,6 +316,13 @@ class TileEncoder {
     return add_attribute(stream, gltf::type_uint16, "VEC4", true);
   }
 
+  // Adds them with padding: attributes take multiples of four bytes.
+  std::size_t add_feature_ids(const GlbPrimitive& primitive) {
+    ByteStream stream(4, primitive.wedges.size());
+    for (const WedgeId w : primitive.wedges) stream.add(features_.row_of(w), std::uint16_t{0});
+    return add_attribute(stream, gltf::type_uint16, "SCALAR", false);
+  }
+
   std::size_t add_indices(const GlbPrimitive& primitive) {
     const bool is_short = primitive.has_short_indices();
     ByteStream stream(is_short ? 2 : 4, 3 * primitive.triangles.size());
@@ -361,6 +377,7 @@ class TileEncoder {
   const OwnImage& image_;
   const TileLook& look_;
   const TileFormat& format_;
+  const FeatureTable features_;
   const glm::dvec3 origin_;             // of positions as floats
   std::optional<TileLattice> lattice_;  // of positions as integers
   GlbDocument document_;

@@ -125,12 +125,13 @@ struct TileFormat {
   int quantise_bits = 0;  // 0: floats
 };
 
-// Describes the appearance of the materials of an HLOD.
+// Describes the appearance of the materials of an HLOD, and names its features.
 struct TileLook {
   std::span<const Material> materials;
   std::span<const Texture> textures;
   std::vector<std::string> images;  // per texture, its URI relative to a content; empty: left out
   TextureOrigin origin = TextureOrigin::top_left;
+  std::span<const std::string> feature_names = {};
 };
 
 struct TileContent {

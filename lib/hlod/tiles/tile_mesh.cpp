@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "base/disjoint_sets.h"
+#include "mesh/wedges.h"
 #include "occlod/base.h"
 #include "occlod/mesh.h"
 
@@ -72,7 +74,30 @@ namespace {
 
 bool is_before(const glm::vec3& a, const glm::vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
-// Holds what one node adds to a vertex.
+// Adds area vectors up that face within crease_deg of each other, directly or through others; those of each sum keep
+// their order. Sums are in the order of their first members, and zero ones are left out. O(n^2) for the vectors at one
+// vertex.
+void add_up_smooth(std::vector<glm::dvec3>& areas, DisjointSets& groups) {
+  static const double min_cosine = std::cos(crease_deg * 0.017453292519943295);
+  std::erase_if(areas, [](const glm::dvec3& area) { return !(glm::length(area) > 0.0); });
+  groups.reset(areas.size());
+  for (std::uint32_t a = 1; a < areas.size(); ++a)
+    for (std::uint32_t b = 0; b < a; ++b)
+      if (glm::dot(areas[a], areas[b]) >= min_cosine * glm::length(areas[a]) * glm::length(areas[b])) groups.join(a, b);
+  std::vector<glm::dvec3> sums;
+  std::vector<std::size_t> place(areas.size(), areas.size());  // in sums, by representative
+  for (std::uint32_t a = 0; a < areas.size(); ++a) {
+    std::size_t& at = place[groups.root(a)];
+    if (at == areas.size()) {
+      at = sums.size();
+      sums.emplace_back(0.0);
+    }
+    sums[at] += areas[a];
+  }
+  areas = std::move(sums);
+}
+
+// Holds what one node adds to a vertex: the sum of the area vectors of triangles that are smooth there.
 struct Part {
   glm::vec3 position;
   glm::dvec3 area;
@@ -88,29 +113,49 @@ bool is_before(const Edge& x, const Edge& y) { return is_before(x.a, y.a) || (x.
 void take_node(const hlod::NodeMesh& mesh, std::vector<Part>& parts, std::vector<Edge>& edges) {
   const std::vector<Triangle> triangles = triangles_of(mesh);
   const std::vector<std::uint32_t> first = first_at_position(mesh.positions);
-  const std::vector<glm::dvec3> areas = area_sums(mesh.positions, triangles, first);
-  std::vector<bool> is_taken(mesh.positions.size());
+  std::vector<bool> is_border(mesh.positions.size());
   for (const BorderEdge& edge : border_edges(triangles, first)) {
     glm::vec3 a = mesh.positions[edge.from], b = mesh.positions[edge.to];
     if (is_before(b, a)) std::swap(a, b);
     edges.push_back({a, b});
-    for (const std::uint32_t v : {first[edge.from], first[edge.to]}) {
-      if (is_taken[v]) continue;
-      is_taken[v] = true;
-      parts.push_back({mesh.positions[v], areas[v]});
+    is_border[first[edge.from]] = is_border[first[edge.to]] = true;
+  }
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> stars;  // vertices of the border, and their triangles
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k)
+      if (const std::uint32_t v = first[triangles[t][k]]; is_border[v]) stars.emplace_back(v, t);
+  std::sort(stars.begin(), stars.end());
+  std::vector<glm::dvec3> areas;
+  DisjointSets groups;
+  for (std::size_t i = 0, end = 0; i < stars.size(); i = end) {
+    areas.clear();
+    for (; end < stars.size() && stars[end].first == stars[i].first; ++end) {
+      const Triangle& t = triangles[stars[end].second];
+      areas.push_back(area_vector(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]));
     }
+    add_up_smooth(areas, groups);
+    const glm::vec3& position = mesh.positions[stars[i].first];
+    if (areas.empty()) parts.push_back({position, glm::dvec3(0.0)});
+    for (const glm::dvec3& area : areas) parts.push_back({position, area});
   }
 }
 
-std::vector<BorderVertex> join(std::vector<Part> parts) {
+std::vector<BorderVertex> join(std::vector<Part> parts, std::vector<glm::vec3>& normals) {
   std::stable_sort(parts.begin(), parts.end(),
                    [](const Part& x, const Part& y) { return is_before(x.position, y.position); });
   std::vector<BorderVertex> vertices;
+  std::vector<glm::dvec3> areas;
+  DisjointSets groups;
   for (std::size_t i = 0, end = 0; i < parts.size(); i = end) {
-    glm::dvec3 sum(0.0);
-    for (; end < parts.size() && parts[end].position == parts[i].position; ++end) sum += parts[end].area;
-    const double length = glm::length(sum);
-    vertices.push_back({parts[i].position, length > 0.0 ? glm::vec3(sum / length) : glm::vec3(0.0F), false});
+    areas.clear();
+    for (; end < parts.size() && parts[end].position == parts[i].position; ++end) areas.push_back(parts[end].area);
+    add_up_smooth(areas, groups);
+    BorderVertex& vertex = vertices.emplace_back();
+    vertex.position = parts[i].position;
+    vertex.first_normal = static_cast<std::uint32_t>(normals.size());
+    for (const glm::dvec3& area : areas)
+      if (const double length = glm::length(area); length > 0.0) normals.emplace_back(area / length);
+    vertex.normal_count = static_cast<std::uint32_t>(normals.size()) - vertex.first_normal;
   }
   return vertices;
 }
@@ -134,7 +179,7 @@ BorderVertices::BorderVertices(const hlod::Hlod& hlod, const std::function<void(
     hlod.require(n);
     take_node(hlod.mesh(n), parts, edges);
   }
-  vertices_ = join(std::move(parts));
+  vertices_ = join(std::move(parts), normals_);
   std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) { return is_before(x, y); });
   for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
     while (end < edges.size() && edges[end].a == edges[i].a && edges[end].b == edges[i].b) ++end;
@@ -184,15 +229,47 @@ void take_materials(TriangleMesh& mesh, const hlod::NodeMesh& node) {
   for (const Triangle& t : mesh.triangles) mesh.triangle_materials.push_back(node.materials[t.x]);
 }
 
-// Uses the normal of all nodes at a border vertex where the node's own normal is within the crease angle of it.
-void take_border_normals(TriangleMesh& mesh, double crease_deg, const BorderVertices& borders) {
+// Uses that normal of all nodes at a border vertex which is nearest to the node's own, if it is within crease_deg.
+void take_border_normals(TriangleMesh& mesh, const BorderVertices& borders) {
   const float min_cosine = static_cast<float>(std::cos(crease_deg * 0.017453292519943295));
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const BorderVertex* border = borders.at(mesh.positions[v]);
-    if (border == nullptr || border->normal == glm::vec3(0.0F)) continue;
-    if (crease_deg >= 180.0 || glm::dot(mesh.normals[v], border->normal) >= min_cosine)
-      mesh.normals[v] = border->normal;
+    if (border == nullptr) continue;
+    const glm::vec3 own = mesh.normals[v];
+    float nearest = min_cosine;
+    for (const glm::vec3& normal : borders.normals(*border))
+      if (const float cosine = glm::dot(own, normal); cosine >= nearest) {
+        nearest = cosine;
+        mesh.normals[v] = normal;
+      }
   }
+}
+
+// Sets the feature of each triangle of a node. Returns which features of the HLOD they are.
+std::vector<FeatureId> take_features(TriangleMesh& mesh, std::span<const hlod::FeatureRun> runs) {
+  std::vector<FeatureId> features;
+  for (const hlod::FeatureRun& run : runs) features.push_back(run.feature);
+  std::sort(features.begin(), features.end());
+  features.erase(std::unique(features.begin(), features.end()), features.end());
+  mesh.feature_names.resize(features.size());
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const auto own = std::lower_bound(features.begin(), features.end(), runs[i].feature) - features.begin();
+    const std::size_t end = i + 1 < runs.size() ? runs[i + 1].first_triangle : mesh.triangles.size();
+    mesh.triangle_features.resize(end, static_cast<FeatureId>(own));
+  }
+  return features;
+}
+
+// Drops triangles with two corners at one place.
+void drop_flat_triangles(TriangleMesh& mesh) {
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!has_area(mesh, mesh.triangles[t])) continue;
+    if (!mesh.triangle_features.empty()) mesh.triangle_features[kept] = mesh.triangle_features[t];
+    mesh.triangles[kept++] = mesh.triangles[t];
+  }
+  mesh.triangles.resize(kept);
+  if (!mesh.triangle_features.empty()) mesh.triangle_features.resize(kept);
 }
 
 }  // namespace
@@ -205,7 +282,7 @@ std::vector<Triangle> triangles_of(const hlod::NodeMesh& mesh) {
   return triangles;
 }
 
-TileMesh tile_mesh(const hlod::Hlod& hlod, hlod::NodeId n, double crease_deg, const BorderVertices& borders) {
+TileMesh tile_mesh(const hlod::Hlod& hlod, hlod::NodeId n, const BorderVertices& borders) {
   const hlod::NodeMesh node = hlod.mesh(n);
   TriangleMesh mesh;
   mesh.positions.assign(node.positions.begin(), node.positions.end());
@@ -214,22 +291,23 @@ TileMesh tile_mesh(const hlod::Hlod& hlod, hlod::NodeId n, double crease_deg, co
   mesh.texture_coordinates.assign(node.texture_coordinates.begin(), node.texture_coordinates.end());
   mesh.triangles = triangles_of(node);
   mesh.materials.resize(hlod.data().materials.size());
+  std::vector<FeatureId> features = take_features(mesh, hlod.features(n));
   if (!mesh.normals.empty()) {
     take_materials(mesh, node);
     drop_unused_vertices(mesh);
-    return {std::move(mesh)};
+    return {.mesh = std::move(mesh), .features = std::move(features)};
   }
-  std::erase_if(mesh.triangles, [&](const Triangle& t) { return !has_area(mesh, t); });
+  drop_flat_triangles(mesh);
   if (mesh.triangles.empty()) return {};
   take_materials(mesh, node);
   // Normals are smooth across seams of textures, where vertices become wedges of one vertex.
   if (hlod.data().has_seams) mesh = clean(std::move(mesh), {}, "tile").mesh;
-  mesh = crease_normals(mesh, crease_deg);
+  mesh = part_features(crease_normals(mesh, crease_deg));
   if (!mesh.corners.empty()) mesh.triangles = std::move(mesh.corners);
   mesh.corners.clear();
   mesh.extra_wedges.clear();
-  take_border_normals(mesh, crease_deg, borders);
-  return {std::move(mesh)};
+  take_border_normals(mesh, borders);
+  return {.mesh = std::move(mesh), .features = std::move(features)};
 }
 
 namespace {
@@ -258,6 +336,8 @@ class SkirtMaker {
       tile_.skirt_triangles += 2;
       if (!mesh_.triangle_materials.empty())
         mesh_.triangle_materials.insert(mesh_.triangle_materials.end(), 2, mesh_.triangle_materials[edge.triangle]);
+      if (!mesh_.triangle_features.empty())
+        mesh_.triangle_features.insert(mesh_.triangle_features.end(), 2, mesh_.triangle_features[edge.triangle]);
     }
   }
 

@@ -37,9 +37,12 @@ struct BorderEdge {
 // Describes a vertex on the border of a node of level 0. Borders of coarser nodes run along the same vertices.
 struct BorderVertex {
   glm::vec3 position{0.0F};
-  glm::vec3 normal{0.0F};  // area-weighted mean over all triangles of level 0 there; zero where that mean is zero
-  bool is_at_input_border = false;  // one triangle alone uses an edge of level 0 that ends here
+  std::uint32_t first_normal = 0, normal_count = 0;  // for BorderVertices::normals()
+  bool is_at_input_border = false;                   // one triangle alone uses an edge of level 0 that ends here
 };
+
+// Surfaces that meet at up to this angle look smooth where the input has no normals.
+inline constexpr double crease_deg = 60.0;
 
 class BorderVertices {
  public:
@@ -51,9 +54,15 @@ class BorderVertices {
 
   // Returns null where no border of a node of level 0 runs through `position`. O(log n).
   [[nodiscard]] const BorderVertex* at(const glm::vec3& position) const;
+  // Returns the normals at a vertex: area-weighted means over triangles of level 0, in whatever nodes. Those that face
+  // within crease_deg of each other have one normal, directly or through others.
+  [[nodiscard]] std::span<const glm::vec3> normals(const BorderVertex& vertex) const {
+    return std::span(normals_).subspan(vertex.first_normal, vertex.normal_count);
+  }
 
  private:
   std::vector<BorderVertex> vertices_;  // ordered by position
+  std::vector<glm::vec3> normals_;      // vertex by vertex
 };
 
 // An image that a tile holds itself.
@@ -65,18 +74,19 @@ struct OwnImage {
 // Holds the mesh of a tile, with a vertex for each set of attributes. `triangles` are drawn whatever vertices coincide.
 // Object space.
 struct TileMesh {
-  TriangleMesh mesh;                // without wedges
-  std::size_t skirt_triangles = 0;  // number of skirt triangles, which come last
-  OwnImage image = {};              // as materials of the mesh have it
+  TriangleMesh mesh;                     // without wedges
+  std::size_t skirt_triangles = 0;       // number of skirt triangles, which come last
+  OwnImage image = {};                   // as materials of the mesh have it
+  std::vector<FeatureId> features = {};  // those of the HLOD, ascending, by feature of the mesh; not all may be left
 };
 
 [[nodiscard]] std::vector<Triangle> triangles_of(const hlod::NodeMesh& mesh);
 
 // Returns the mesh of node n, which has been required, with normals. If the node has none, they are those of
-// crease_normals(), joined with those of other nodes at borders, and triangles with two corners at one place are left
-// out. Its materials are as many as those of the HLOD, but empty.
-[[nodiscard]] TileMesh tile_mesh(const hlod::Hlod& hlod, hlod::NodeId n, double crease_deg,
-                                 const BorderVertices& borders);
+// crease_normals() at crease_deg, joined with those of other nodes at borders, and triangles with two corners at one
+// place are left out. Its materials are as many as those of the HLOD, but empty. Vertices are parted by feature, too,
+// and features have no names.
+[[nodiscard]] TileMesh tile_mesh(const hlod::Hlod& hlod, hlod::NodeId n, const BorderVertices& borders);
 
 // Hangs strips of `depth` (object units) from all edges that one triangle of the tile uses, except at the input's
 // border.

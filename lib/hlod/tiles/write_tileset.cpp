@@ -39,8 +39,6 @@
 namespace occlod::tiles {
 namespace {
 
-constexpr double crease_deg = 60.0;  // for HLODs without normals
-
 namespace fs = std::filesystem;
 
 // Returns, by texture, whether a material shows it that shows no image of the tile's own.
@@ -59,7 +57,7 @@ std::vector<std::uint8_t> shared_textures(const hlod::HlodView& hlod, const Sour
 // `left_out`. File names are relative to `image_folder`. O(bytes).
 [[nodiscard]] TileLook write_images(TilesetFiles& files, const hlod::HlodView& hlod, const SourceTextures& sources,
                                     const fs::path& image_folder, std::vector<std::string>& left_out) {
-  TileLook look{hlod.materials, hlod.textures, {}, hlod.texture_origin};
+  TileLook look{hlod.materials, hlod.textures, {}, hlod.texture_origin, hlod.features.names};
   std::map<std::string, std::string> written;  // from file names to URIs
   const std::vector<std::uint8_t> is_shared = shared_textures(hlod, sources);
   for (const Texture& texture : hlod.textures) {
@@ -339,7 +337,7 @@ class TilesetWriter {
     WrittenTile made;
     if (hlod_.node(n).triangles == 0) return made;
     hlod_.require(n);
-    TileMesh tile = tile_mesh(hlod_, n, crease_deg, borders_);
+    TileMesh tile = tile_mesh(hlod_, n, borders_);
     if (tile.mesh.triangles.empty()) return made;
     const double mean = sources_.images().empty() ? 0.0 : mean_texel_size(tile.mesh, sources_);
     if (mean == 0.0) {

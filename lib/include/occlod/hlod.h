@@ -146,6 +146,20 @@ struct NodeSplits {
   std::span<const MaterialId> materials;           // as in NodeMesh
 };
 
+// The triangles of a node from here to the next run belong to one feature.
+struct FeatureRun {
+  std::uint32_t first_triangle = 0;  // of the node's mesh: its indices begin at three times as much
+  FeatureId feature = 0;             // into HlodFeatures::names
+};
+
+// Which part of the input each triangle belongs to, see TriangleMesh::triangle_features. Triangles keep it when they
+// are simplified, and no vertex is used by two features. All empty where the input had fewer than two.
+struct HlodFeatures {
+  std::span<const std::string> names;        // UTF-8
+  std::span<const FeatureRun> runs;          // node by node; those of a node ascending, the first at triangle 0
+  std::span<const std::uint32_t> first_run;  // by node, into runs; then the number of runs
+};
+
 // The arrays of an HLOD, in memory of its own or of a file.
 struct HlodView {
   std::span<const Node> nodes;             // level by level, the coarsest first; along a Morton curve within a level
@@ -175,6 +189,7 @@ struct HlodView {
   std::span<const NodeImage> node_images;         // by node; empty where nodes have no images of their own
   std::span<const std::byte> images;              // that node_images tells of; empty of an HLOD with a store
   std::span<const std::uint8_t> image_materials;  // by material: 1 where nodes show it by their own images
+  HlodFeatures features;      // of all nodes
 };
 
 inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes, and of its splits
@@ -207,6 +222,12 @@ class Hlod {
   // Returns the nodes that node n replaces in part, ascending.
   [[nodiscard]] std::span<const NodeId> children(NodeId n) const noexcept {
     return view_.children.subspan(node(n).first_child, node(n).children);
+  }
+  // Returns the features of the triangles of node n; none where the input had none.
+  [[nodiscard]] std::span<const FeatureRun> features(NodeId n) const noexcept {
+    const HlodFeatures& all = view_.features;
+    if (all.first_run.empty()) return {};
+    return all.runs.subspan(all.first_run[n], all.first_run[n + 1] - all.first_run[n]);
   }
   // Returns the store whose meshes come and go (node_store.h); null where all are always there.
   [[nodiscard]] NodeStore* store() const noexcept { return store_; }

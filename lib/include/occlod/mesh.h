@@ -18,7 +18,8 @@
 
 namespace occlod {
 
-using Triangle = glm::u32vec3;  // three vertex ids, counter-clockwise seen from outside
+using FeatureId = std::uint32_t;  // indexes TriangleMesh::feature_names or HlodFeatures::names
+using Triangle = glm::u32vec3;    // three vertex ids, counter-clockwise seen from outside
 
 // Meshes with larger coordinates are refused: bounds and errors reach a few times the diagonal and must fit in floats.
 inline constexpr float farthest_coordinate = 1.5e37F;
@@ -131,6 +132,11 @@ struct TriangleMesh {
   // floats, such as those of maps: readers then choose a place near the middle of the mesh.
   glm::dvec3 origin{0.0};
   UpAxis up = UpAxis::z;  // of the file or scene that it comes from
+  // Which part of the input each triangle belongs to: a group or object of an OBJ file, a node of a glTF file. HLODs
+  // and tilesets keep it; what is made of a mesh otherwise does not. Wedges may be shared by features.
+  std::vector<FeatureId> triangle_features;  // one per triangle; empty: all have the first, if any
+  std::vector<std::string> feature_names;    // UTF-8, as in the file; may be empty or equal; indexed by
+                                             // triangle_features
 
   // Returns the number of vertices; extra wedges do not count.
   [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() - extra_wedges.size(); }
@@ -149,6 +155,10 @@ struct TriangleMesh {
   // Returns the material of triangle t, an index into materials; also 0 when there are none.
   [[nodiscard]] MaterialId material_of(std::size_t t) const noexcept {
     return triangle_materials.empty() ? MaterialId{0} : triangle_materials[t];
+  }
+  // Returns the feature of triangle t, an index into feature_names; also 0 when there are none.
+  [[nodiscard]] FeatureId feature_of(std::size_t t) const noexcept {
+    return triangle_features.empty() ? FeatureId{0} : triangle_features[t];
   }
 };
 
@@ -235,7 +245,7 @@ struct CleanMesh {
 // topology of the result. Vertices and triangles keep their order. Corners of a vertex that differ in normal, colour,
 // texture coordinate or material get separate wedges; `corners` and `extra_wedges` are empty when there are none. A
 // vertex's first wedge is that of the first triangle that uses it; the others follow in the order of their first use.
-// `triangle_materials` is empty when all triangles have the first material.
+// `triangle_materials` is empty when all triangles have the first material. Features stay with their triangles.
 //
 // Normals get unit length; one that already has it, up to rounding, keeps its bits, and one that is zero or not finite
 // is computed from the triangles at its position. A texture coordinate that is not finite becomes (0, 0) and counts in
