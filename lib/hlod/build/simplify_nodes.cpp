@@ -117,7 +117,7 @@ class NodeSimplifier::Gatherer {
 
   // Gives each pair of a material and a feature a material of its own, so that features keep apart as materials do.
   void number_kinds(GroupInput& input) const {
-    const std::vector<Triangle> triangles = input.mesh.wedge_triangles();
+    const std::vector<Triangle>& triangles = input.mesh.wedge_triangles();
     const auto kind_of = [&](const Triangle& t) {
       return std::pair(all_.mesh_.material_of(input.wedges[t.x]), all_.mesh_.feature_of(input.wedges[t.x]));
     };

@@ -223,8 +223,7 @@ struct Tables {
   OlodCompression compression = OlodCompression::none;
 };
 
-// Reads the tables. Throws Error.
-// `is_far`: only what drawing needs is read, without images and features.
+// Reads the tables; if `is_far` only what drawing needs, without images and features. Throws Error.
 Tables read_tables(const std::shared_ptr<SectionReader>& reader, bool is_far = false) {
   Tables tables;
   hlod::HlodView& view = tables.view;
