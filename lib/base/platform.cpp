@@ -165,7 +165,9 @@ void InputFile::read(std::span<std::byte> bytes, std::uint64_t offset) const { r
 void InputFile::read(std::span<const std::span<std::byte>> parts, std::uint64_t offset) const {
   constexpr std::size_t max_parts = 64;  // in one call; every system allows 16, Linux 1,024
   std::array<iovec, max_parts> vectors{};
-  while (!parts.empty()) {
+  while (true) {
+    while (!parts.empty() && parts.front().empty()) parts = parts.subspan(1);
+    if (parts.empty()) return;
     const std::size_t count = std::min(parts.size(), max_parts);
     for (std::size_t i = 0; i < count; ++i) vectors[i] = {parts[i].data(), parts[i].size()};
     ssize_t got = preadv(descriptor_, vectors.data(), static_cast<int>(count), static_cast<off_t>(offset));

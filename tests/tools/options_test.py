@@ -15,6 +15,7 @@ LARGEST = 10**12
 BUILD, CUT, COMPARE = ["build", "a.ply", "-o", "a.olod"], ["cut", "a.olod", "-o", "a.ply"], ["compare", "a.ply", "b.ply"]
 SIMPLIFY = ["simplify", "a.ply", "-o", "b.ply"]
 REPAIR, VALIDATE, RENDER = ["repair", "a.ply", "-o", "b.ply"], ["validate", "a.olod"], ["render", "a.olod"]
+CLUSTERS = ["hlod", "build", "a.ply", "-o", "a.glb"]
 HLOD_BUILD, HLOD_VALIDATE = ["hlod", "build", "a.ply", "-o", "a.ohlod"], ["hlod", "validate", "a.ohlod"]
 TILES = ["tiles", "a.ply", "-o", "a"]
 HLOD_RENDER = ["hlod", "render", "a.ohlod"]
@@ -29,6 +30,7 @@ WHOLE = [
     (VALIDATE, "--cuts", 0, 10**6),
     (HLOD_BUILD, "--node-triangles", 16, 4096),
     (HLOD_BUILD, "--threads", 0, 1024),
+    (CLUSTERS, "--clusters", 32, 256),
     (HLOD_BUILD, "--quantise", 0, 23),
     (HLOD_VALIDATE, "--fronts", 0, 10**6),
     (TILES, "--tiles-per-file", 1, 10**6),

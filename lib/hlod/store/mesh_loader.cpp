@@ -43,7 +43,7 @@ void NodeCache::set_budget(std::size_t bytes) {
   budget_ = bytes;
   const std::size_t most = std::min(budget_ / lasting_share, budget_ - min_budget());
   const NodeId before = std::exchange(lasting_, 0);
-  for (std::size_t sum = 0; lasting_ < entries_.size(); ++lasting_) {
+  for (std::size_t sum = 0; source_.reads_ahead() && lasting_ < entries_.size(); ++lasting_) {
     sum += source_.bytes_of(lasting_);
     if (sum > most) break;
   }

@@ -48,6 +48,8 @@ class MeshSource {
   virtual void read(NodeId first, std::span<const std::span<std::byte>> meshes) = 0;
   // Returns the mesh of node n, of bytes_of() bytes, from its stored bytes. Throws Error when they are damaged.
   [[nodiscard]] virtual MeshBytes unpack(NodeId n, MeshBytes stored) = 0;
+  // Returns whether the coarsest meshes are read before anything wants them, and kept: not where reading is dear.
+  [[nodiscard]] virtual bool reads_ahead() const noexcept { return true; }
   // Returns what reads meshes while frames are drawn, and which this source must outlive: a thread, unless a source has
   // another way.
   [[nodiscard]] virtual std::unique_ptr<LoadQueue> make_queue();

@@ -449,6 +449,8 @@ class FileMeshes final : public hlod::MeshSource {
     return mesh;
   }
 
+  [[nodiscard]] bool reads_ahead() const noexcept override { return make_queue_ == nullptr; }
+
   [[nodiscard]] std::unique_ptr<hlod::LoadQueue> make_queue() override {
     return make_queue_ ? make_queue_(*this) : MeshSource::make_queue();
   }

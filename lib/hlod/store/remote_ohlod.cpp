@@ -290,7 +290,8 @@ class Needs {
 
   [[nodiscard]] std::vector<ByteRange> missing() {
     const std::uint64_t size = bytes_.size();
-    const ByteRange head{0, std::min<std::uint64_t>(size, sizeof(FileHeader))};
+    if (size < sizeof(FileHeader)) return {};
+    const ByteRange head{0, sizeof(FileHeader)};
     FileHeader header{};
     if (!read(head, std::as_writable_bytes(std::span(&header, 1)))) return {{0, std::min(size, worth_joining)}};
     if (header.magic != ohlod::file_kind.magic || header.file_bytes != size ||

@@ -361,7 +361,7 @@ class TilesetWriter {
   void add_content(hlod::NodeId n, TileMesh tile, double texel_size, WrittenTile& made) const {
     made.texel_sizes.push_back(give_image(tile, texel_size, made.counts));
     const hlod::NodeId parent = parent_of(hlod_, n);
-    if (options_.skirts && parent != no_id) add_skirts(tile, hlod_.node(parent).error, borders_);
+    if (options_.skirts && parent != no_id) add_skirts(tile, hlod_.node(parent).guaranteed_error, borders_);
     made.contents.push_back(encode_tile(tile, look_, format_, errors_));
     made.counts.triangles += tile.mesh.triangles.size() - tile.skirt_triangles;
     made.counts.skirt_triangles += tile.skirt_triangles;
