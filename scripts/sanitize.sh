@@ -23,10 +23,11 @@ case ${1:-} in
     cmake --preset sanitize-thread >&2
     cmake --build --preset sanitize-thread -j "$jobs" >&2
     export TSAN_OPTIONS="suppressions=$PWD/cmake/tsan_suppressions.txt"
-    for test in core/test_core mesh/test_mesh hierarchy/test_hierarchy hlod/test_hlod io/test_io traverse/test_traverse scene/test_scene refine/test_refine \
+    for test in core/test_core mesh/test_mesh raster/test_raster hierarchy/test_hierarchy hlod/test_hlod io/test_io traverse/test_traverse scene/test_scene refine/test_refine \
       viewcells/test_viewcells viewer/test_viewer; do
       filter='*'
       case $test in
+        raster/*) filter='DrawBands.*' ;;
         hlod/*) filter='*Threads*:NodeStore.*:Stream*-*ALimitOfMemory*' ;;
         io/*) filter='*Ohlod*' ;;
         traverse/*) filter='Paged*' ;;
