@@ -19,10 +19,10 @@ std::array<std::uint32_t, 3> sorted(const Triangle& t) {
 
 SimplifiedGroup simplify(const GroupInput& group, const GroupRules& rules) {
   const double least = static_cast<double>(rules.least_share) * static_cast<double>(group.mesh.triangle_count());
-  return simplify_group(group.mesh, group.locked,
-                        {rules.scale, build_weights.boundary, rules.max_cost, static_cast<std::size_t>(least),
-                         rules.keeps_splits != 0, build_weights.attributes,
-                         rules.keeps_bounds != 0 || rules.measures != 0});
+  return simplify_group(
+      group.mesh, group.locked,
+      {rules.scale, build_weights.boundary, rules.max_cost, static_cast<std::size_t>(least), rules.keeps_splits != 0,
+       build_weights.attributes, rules.keeps_bounds != 0 || rules.measures != 0});
 }
 
 Box box_of(std::span<const Box> boxes) {

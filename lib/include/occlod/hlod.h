@@ -189,7 +189,7 @@ struct HlodView {
   std::span<const NodeImage> node_images;         // by node; empty where nodes have no images of their own
   std::span<const std::byte> images;              // that node_images tells of; empty of an HLOD with a store
   std::span<const std::uint8_t> image_materials;  // by material: 1 where nodes show it by their own images
-  HlodFeatures features;      // of all nodes
+  HlodFeatures features;                          // of all nodes
 };
 
 inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes, and of its splits
