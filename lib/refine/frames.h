@@ -69,9 +69,7 @@ class FrontQueries {
   // Draws an occluder, then asks about hidden nodes whose errors exceed `least`, in pixels. Returns those that are
   // shown now; valid until the next question.
   std::span<const Entry> check_hidden(float least);
-  // Returns whether the occluder of this frame hides the entry. Asks unless it has been asked already.
-  [[nodiscard]] bool is_hidden(const Entry& entry);
-  // Removes entries that it hides, and asks about those that have not been asked about yet, all at once.
+  // Removes entries that the occluder of this frame hides. Asks about those that it has not been asked about, at once.
   void drop_hidden(std::vector<Entry>& entries);
   // Returns a number that is larger than 0 and changes whenever an occluder is drawn.
   [[nodiscard]] std::uint32_t occluder() const noexcept { return draw_ + 1; }
@@ -84,6 +82,7 @@ class FrontQueries {
  private:
   void forget_what_is_not_asked(std::uint32_t object);
   void ask_about(std::uint32_t object, Front::Index k, Entry::Kind kind);
+  bool ask_unless_asked(std::span<const Entry> entries);
   void ask_about_hidden(std::uint32_t object, float least);
   void ask_about_unapplied(std::uint32_t object, float least);
   void ask_about_leaves(std::uint32_t object);

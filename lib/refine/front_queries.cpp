@@ -272,29 +272,23 @@ void FrontQueries::forget_hidden() {
   }
 }
 
-bool FrontQueries::is_hidden(const Entry& entry) {
-  OcclusionQueries& queries = *evaluation_.scene().queries;
-  if (!queries.can_hide() || !queries.has_occluder() || !queries.asks(entry)) return false;
-  if (queries.in_flights()) return false;  // the answer would be waited for, so the next frame asks
-  const Front& front = evaluation_.front(entry.object);
-  if (is_shown_since(draw_, front.node(front.find(entry.split)), entry.kind)) return false;
-  OcclusionQueries::Verdict verdict;
-  queries.ask({&entry, 1}, {&verdict, 1});
-  note(entry, verdict);
-  return !verdict.visible;
-}
-
-void FrontQueries::drop_hidden(std::vector<Entry>& entries) {
+// Asks about entries that this occluder has not shown. Returns false where nothing can be asked now: a backend whose
+// answers would be waited for is asked in the next frame.
+bool FrontQueries::ask_unless_asked(std::span<const Entry> entries) {
   const OcclusionQueries& queries = *evaluation_.scene().queries;
-  if (!queries.can_hide() || !queries.has_occluder()) return;
-  if (queries.in_flights()) return;  // the answers would be waited for, so the next frame asks
+  if (!queries.can_hide() || !queries.has_occluder() || queries.in_flights()) return false;
   asked_.clear();
   for (const Entry& entry : entries) {
     const Front& front = evaluation_.front(entry.object);
     if (queries.asks(entry) && !is_shown_since(draw_, front.node(front.find(entry.split)), entry.kind))
       asked_.push_back(entry);
   }
-  ask_all();
+  if (!asked_.empty()) ask_all();
+  return true;
+}
+
+void FrontQueries::drop_hidden(std::vector<Entry>& entries) {
+  if (!ask_unless_asked(entries)) return;
   std::erase_if(entries, [&](const Entry& entry) {
     const Front& front = evaluation_.front(entry.object);
     return front.is(front.find(entry.split),
@@ -307,7 +301,8 @@ void FrontQueries::ask_about_new_leaf(std::uint32_t object, Front::Index k) {
   const FrontNode& node = front.node(k);
   const Entry::Kind kind = evaluation_.scene().queries->split_question();
   if (is_shown_since(fresh_draw_, node, kind)) return;
-  static_cast<void>(is_hidden({0.0F, front.error_at_most(k), node.split, object, node.level, 0, kind}));
+  const Entry entry{0.0F, front.error_at_most(k), node.split, object, node.level, 0, kind};
+  static_cast<void>(ask_unless_asked({&entry, 1}));
 }
 
 // Nodes keep the low bits of the numbers of the occluders that showed them, so ages are right up to 65,535 occluders
