@@ -6,6 +6,7 @@
 #include "interrupt.h"
 #include "json_output.h"
 #include "mesh/image_files.h"
+#include "mesh/mesh_report.h"
 #include "occlod/clusters.h"
 #include "peak_bytes.h"
 #include "stopwatch.h"
@@ -14,7 +15,8 @@ namespace occlod::tool {
 
 void build_clusters(const ClusterJob& job, Progress& progress, bool json) {
   Stopwatch stopwatch;
-  const CleanMesh input = read_hlod_input(job.inputs, progress);
+  CleanMesh input = read_hlod_input(job.inputs, progress);
+  leave_out_features(input);
   const double read_ms = stopwatch.restart();
   hlod::ClusterOptions options;
   options.max_triangles = job.max_triangles;

@@ -32,6 +32,10 @@ class Hlod(ToolTest):
         self.assertGreaterEqual(built["clusters"], built["stored_triangles"] / 64)
         self.assertEqual(built["file_bytes"], (self.folder / "planet.glb").stat().st_size)
         self.assertEqual(self.json_of("hlod", "build", "planet.glb", "-o", "b.ohlod")["triangles"], TRIANGLES)
+        (self.folder / "parts.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\ng left\nf 1 2 3\ng right\nf 1 3 4\n")
+        parts = self.json_of("hlod", "build", "parts.obj", "-o", "parts.glb", "--clusters", 64)
+        self.assertEqual((parts["vertices"], parts["report"]["left_out"]), (4, self.json_of("build", "parts.obj", "-o", "parts.olod")["report"]["left_out"]))
+        self.assertTrue(parts["report"]["left_out"])
         for wrong, word in ((["--node-triangles", 64], "--node-triangles"), (["--compress", "zstd"], "--clusters"), (["-o", "a.ohlod"], ".glb")):
             done = self.run_tool("hlod", "build", "planet.ply", "--clusters", 64, *(["-o", "b.glb"] if wrong[0] != "-o" else []), *wrong)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)

@@ -140,8 +140,7 @@ class ClusterBuilder {
     std::vector<GroupDraft> drafts(group_count);
     for (std::uint32_t t = 0; t < level.triangles.size(); ++t) drafts[level.parent_of[t]].triangles.push_back(t);
     const auto kind = [&](std::uint32_t t) {
-      return std::pair(node_of.empty() ? 0 : node_of[t],
-                       mesh_.wedge_materials.empty() ? MaterialId{0} : mesh_.wedge_materials[wedges[t].x]);
+      return std::pair(node_of.empty() ? 0 : node_of[t], mesh_.material_of(wedges[t].x));
     };
     for_each_task(
         group_count, threads_, [&] { return ClusterCutter(mesh_, options_.max_triangles); },
