@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/platform.h"
+#include "build_story.h"
 #include "hlod/build/build_journal.h"
 #include "hlod_bytes.h"
 #include "occlod/base.h"
@@ -27,32 +28,19 @@ namespace {
 
 constexpr std::size_t header_bytes = 120, head_bytes = 24;  // of the file, and of each node
 
-// What one build does: the same with every call.
-struct Story {
-  const char* name;
-  TriangleMesh mesh;
-  HlodBuildOptions options;
-};
-
 std::vector<Story> stories() {
-  std::vector<Story> result;
-  const auto add = [&](const char* name, TriangleMesh mesh, const std::function<void(HlodBuildOptions&)>& set) {
-    HlodBuildOptions options;
-    options.node_triangles = 16;
-    set(options);
-    result.push_back({name, std::move(mesh), options});
-  };
-  add("shifted", occlod::test::noisy_sphere(5, 1), [](HlodBuildOptions&) {});
-  add("nested", occlod::test::noisy_sphere(4, 2), [](HlodBuildOptions& o) { o.grouping = Grouping::nested; });
-  add("free", occlod::test::noisy_sphere(4, 3), [](HlodBuildOptions& o) {
-    o.grouping = Grouping::nested;
-    o.borders = Borders::free;
-  });
-  add("splits", occlod::test::noisy_sphere(4, 4), [](HlodBuildOptions& o) { o.within = Within::splits; });
-  add("wedges", occlod::test::book(40), [](HlodBuildOptions&) {});
-  add("charts", occlod::test::cube_of_charts(14), [](HlodBuildOptions&) {});
-  add("charts with splits", occlod::test::cube_of_charts(12), [](HlodBuildOptions& o) { o.within = Within::splits; });
-  return result;
+  return {story("shifted", occlod::test::noisy_sphere(5, 1)),
+          story("nested", occlod::test::noisy_sphere(4, 2), [](HlodBuildOptions& o) { o.grouping = Grouping::nested; }),
+          story("free", occlod::test::noisy_sphere(4, 3),
+                [](HlodBuildOptions& o) {
+                  o.grouping = Grouping::nested;
+                  o.borders = Borders::free;
+                }),
+          story("splits", occlod::test::noisy_sphere(4, 4), [](HlodBuildOptions& o) { o.within = Within::splits; }),
+          story("wedges", occlod::test::book(40)),
+          story("charts", occlod::test::cube_of_charts(14)),
+          story("charts with splits", occlod::test::cube_of_charts(12),
+                [](HlodBuildOptions& o) { o.within = Within::splits; })};
 }
 
 class Journal : public testing::Test {

@@ -9,10 +9,12 @@
 #include "hlod/good_hlod.h"
 #include "hlod/memory_source.h"
 #include "occlod/build_hlod.h"
+#include "support/error_of.h"
 
 namespace occlod::hlod {
 namespace {
 
+using occlod::test::error_of;
 using namespace test;
 
 constexpr std::size_t plenty = std::size_t{1} << 30U;
@@ -59,15 +61,6 @@ void expect_closed_upwards(const Hlod& hlod) {
     for (const Patch& patch : hlod.patches(n)) EXPECT_TRUE(patch.parent == no_id || hlod.is_resident(patch.parent));
 }
 
-std::string problem_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(NodeStore, HoldsTheMeshesThatAreThere) {
   const Hlod hlod = paged(good(), cache(TrialLoad::blocking));
   EXPECT_EQ(resident(hlod), std::vector<NodeId>(good().data().roots.begin(), good().data().roots.end()));
@@ -95,7 +88,7 @@ TEST(NodeStore, HoldsTheMeshesThatAreThere) {
 TEST(NodeStore, WithoutAMeshThereIsAnErrorAndNotACrash) {
   const Hlod hlod = paged(good(), cache(TrialLoad::async));
   EXPECT_NO_THROW(hlod.require(root()));
-  EXPECT_NE(problem_of([&] { hlod.require(last_leaf()); }).find("is not in memory"), std::string::npos);
+  EXPECT_NE(error_of([&] { hlod.require(last_leaf()); }).find("is not in memory"), std::string::npos);
   EXPECT_THROW(hlod.require_all(), Error);
 }
 
@@ -105,15 +98,15 @@ TEST(NodeStore, WhatNeedsAllMeshesIsRefusedEvenWhenTheyAreThere) {
   std::iota(all.begin(), all.end(), NodeId{0});
   hlod.store()->begin_frame();
   ASSERT_TRUE(hlod.store()->fetch(all));
-  EXPECT_NE(problem_of([&] { hlod.require_all(); }).find("come and go"), std::string::npos);
-  EXPECT_NE(problem_of([&] { (void)validate(hlod); }).find("come and go"), std::string::npos);
-  EXPECT_NE(problem_of([&] { write_ohlod("never.ohlod", hlod, {}); }).find("come and go"), std::string::npos);
+  EXPECT_NE(error_of([&] { hlod.require_all(); }).find("come and go"), std::string::npos);
+  EXPECT_NE(error_of([&] { (void)validate(hlod); }).find("come and go"), std::string::npos);
+  EXPECT_NE(error_of([&] { write_ohlod("never.ohlod", hlod, {}); }).find("come and go"), std::string::npos);
 }
 
 TEST(NodeStore, NamesTheLeastBudget) {
   const std::size_t least = bytes_of(good(), good().data().roots);
   EXPECT_NO_THROW((void)paged(good(), cache(TrialLoad::async, least)));
-  EXPECT_NE(problem_of([&] { (void)paged(good(), cache(TrialLoad::async, least - 1)); }).find(std::to_string(least)),
+  EXPECT_NE(error_of([&] { (void)paged(good(), cache(TrialLoad::async, least - 1)); }).find(std::to_string(least)),
             std::string::npos);
   const Hlod hlod = paged(good(), cache(TrialLoad::async));
   EXPECT_THROW(hlod.store()->set_budget(least - 1), Error);
@@ -306,7 +299,7 @@ TEST(NodeStore, WhatFailsIsToldOnceAndWantedNoMore) {
 TEST(NodeStore, WithoutTheRootsThereIsNothing) {
   const auto faults = std::make_shared<ReadFaults>();
   faults->damaged = {root()};
-  EXPECT_EQ(problem_of([&] { (void)paged(good(), cache(TrialLoad::async), faults); }), "memory: node 0: is damaged");
+  EXPECT_EQ(error_of([&] { (void)paged(good(), cache(TrialLoad::async), faults); }), "memory: node 0: is damaged");
 }
 
 TEST(NodeStore, ASmallerBudgetIsKeptAtOnce) {

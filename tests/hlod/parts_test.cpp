@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/platform.h"
+#include "build_story.h"
 #include "hlod/build/build_journal.h"
 #include "hlod_bytes.h"
 #include "occlod/base.h"
@@ -27,32 +28,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What one build does: the same with every call. The first level has more groups than are sampled, so it is shared.
-struct Story {
-  const char* name;
-  TriangleMesh mesh;
-  HlodBuildOptions options;
-};
-
+// The first level has more groups than are sampled, so it is shared.
 std::vector<Story> stories() {
-  std::vector<Story> result;
-  const auto add = [&](const char* name, TriangleMesh mesh, const std::function<void(HlodBuildOptions&)>& set) {
-    HlodBuildOptions options;
-    options.node_triangles = 16;
-    set(options);
-    result.push_back({name, std::move(mesh), options});
-  };
-  add("shifted", occlod::test::noisy_sphere(6, 1), [](HlodBuildOptions&) {});
-  add("nested", occlod::test::noisy_sphere(5, 2), [](HlodBuildOptions& o) { o.grouping = Grouping::nested; });
-  add("free", occlod::test::noisy_sphere(5, 3), [](HlodBuildOptions& o) {
-    o.grouping = Grouping::nested;
-    o.borders = Borders::free;
-  });
-  add("splits", occlod::test::noisy_sphere(5, 4), [](HlodBuildOptions& o) { o.within = Within::splits; });
-  add("measured", occlod::test::noisy_sphere(5, 5), [](HlodBuildOptions& o) { o.error_bound = ErrorBound::measured; });
-  add("charts", occlod::test::cube_of_charts(40), [](HlodBuildOptions&) {});
-  add("charts with splits", occlod::test::cube_of_charts(30), [](HlodBuildOptions& o) { o.within = Within::splits; });
-  return result;
+  return {story("shifted", occlod::test::noisy_sphere(6, 1)),
+          story("nested", occlod::test::noisy_sphere(5, 2), [](HlodBuildOptions& o) { o.grouping = Grouping::nested; }),
+          story("free", occlod::test::noisy_sphere(5, 3),
+                [](HlodBuildOptions& o) {
+                  o.grouping = Grouping::nested;
+                  o.borders = Borders::free;
+                }),
+          story("splits", occlod::test::noisy_sphere(5, 4), [](HlodBuildOptions& o) { o.within = Within::splits; }),
+          story("measured", occlod::test::noisy_sphere(5, 5),
+                [](HlodBuildOptions& o) { o.error_bound = ErrorBound::measured; }),
+          story("charts", occlod::test::cube_of_charts(40)),
+          story("charts with splits", occlod::test::cube_of_charts(30),
+                [](HlodBuildOptions& o) { o.within = Within::splits; })};
 }
 
 class Parts : public testing::Test {

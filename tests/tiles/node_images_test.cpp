@@ -17,12 +17,14 @@
 #include "occlod/base.h"
 #include "occlod/build_hlod.h"
 #include "occlod/node_store.h"
+#include "support/error_of.h"
 #include "tile_support.h"
 
 namespace occlod {
 namespace {
 
 using hlod::NodeId;
+using occlod::test::error_of;
 using tiles::test::Folder;
 
 constexpr int side = 256;
@@ -69,15 +71,6 @@ const hlod::Hlod& built() {
 std::vector<char> bytes_of(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-std::string problem_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 class NodeImages : public ::testing::TestWithParam<OlodCompression> {
@@ -178,8 +171,8 @@ TEST_P(NodeImages, DamagedOnesAreToldOnceAndTheirNodesStayAway) {
   damage(leaf);
   const std::string name = "image of node " + std::to_string(leaf);
   const OhlodFile whole = read_ohlod(file_);
-  EXPECT_NE(problem_of([&] { whole.hlod.require(leaf); }).find(name), std::string::npos);
-  EXPECT_EQ(problem_of([&] { whole.hlod.require(leaf + 1); }), "");
+  EXPECT_NE(error_of([&] { whole.hlod.require(leaf); }).find(name), std::string::npos);
+  EXPECT_EQ(error_of([&] { whole.hlod.require(leaf + 1); }), "");
   const OhlodFile paged = open_ohlod(file_, {.load = hlod::LoadMode::blocking});
   hlod::NodeStore& store = *paged.hlod.store();
   store.begin_frame();

@@ -9,24 +9,17 @@
 #include "occlod/base.h"
 #include "occlod/hlod.h"
 #include "occlod/tiles.h"
+#include "support/error_of.h"
 #include "support/hand_made_hlod.h"
 #include "tile_support.h"
 
 namespace occlod::tiles {
 namespace {
 
+using occlod::test::error_of;
 using test::Folder;
 using test::nested_hlod;
 using test::read_content;
-
-std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 // The finest tiles together are the input, bit for bit.
 TEST(WriteTileset, FinestTilesAreTheInput) {
@@ -103,8 +96,7 @@ TEST(WriteTileset, RefusesBadOptions) {
   for (const auto& [name, change] : bad) {
     TilesetOptions options;
     change(options);
-    EXPECT_NE(message_of([&] { write_tileset(folder / "tiles", hlod, options); }).find(name), std::string::npos)
-        << name;
+    EXPECT_NE(error_of([&] { write_tileset(folder / "tiles", hlod, options); }).find(name), std::string::npos) << name;
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
 }
@@ -112,14 +104,14 @@ TEST(WriteTileset, RefusesBadOptions) {
 TEST(WriteTileset, RefusesWhatIsNoTree) {
   const Folder folder;
   const std::string several = "has nodes with several parents";
-  EXPECT_NE(message_of([&] { write_tileset(folder / "tiles", occlod::test::shared_child()); }).find(several),
+  EXPECT_NE(error_of([&] { write_tileset(folder / "tiles", occlod::test::shared_child()); }).find(several),
             std::string::npos);
-  EXPECT_NE(message_of([&] {
+  EXPECT_NE(error_of([&] {
               write_tileset(folder / "tiles",
                             hlod::build_hlod(occlod::test::noisy_sphere(4, 1), {.node_triangles = 64}));
             }).find(several),
             std::string::npos);
-  EXPECT_NE(message_of([&] { write_tileset(folder / "tiles", hlod::Hlod()); }).find("has no nodes"), std::string::npos);
+  EXPECT_NE(error_of([&] { write_tileset(folder / "tiles", hlod::Hlod()); }).find("has no nodes"), std::string::npos);
   EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
 }
 

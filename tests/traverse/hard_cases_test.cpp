@@ -12,6 +12,7 @@
 #include "occlod/base.h"
 #include "occlod/device.h"
 #include "papers/trial_devices.h"
+#include "support/error_of.h"
 #include "support/hand_made_hlod.h"
 #include "support/meshes.h"
 #include "support/scripted_device.h"
@@ -21,6 +22,7 @@
 namespace occlod::hlod {
 namespace {
 
+using occlod::test::error_of;
 using namespace test;
 
 // What stands still comes to rest: the same front from the third frame on, nothing refined after it was drawn. `coh`
@@ -269,15 +271,6 @@ TEST(Placements, FarFromTheOrigin) {
       EXPECT_EQ(device.depth().nearness, truth.depth().nearness);
     }
   }
-}
-
-std::string error_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(BadInput, IsRefusedInOneLine) {
