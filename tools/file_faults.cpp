@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <charconv>
 #include <csignal>
 #include <cstdint>
@@ -16,6 +17,7 @@ namespace {
 
 std::array<char, 64> name_of_program;
 std::size_t name_size = 0;
+std::atomic_flag telling;  // a thread is about to say what failed and to end the process
 
 // Reads the lines of a file; the ends of long ones are dropped.
 class Lines {
@@ -72,6 +74,7 @@ extern "C" void on_bus_error(int number, siginfo_t* info, void* /*context*/) {
     std::signal(number, SIG_DFL);
     return;
   }
+  while (telling.test_and_set()) pause();  // the file is gone for the other threads too: one of them tells
   say({name_of_program.data(), name_size});
   say(": error: ");
   for (const char c : file) say(static_cast<unsigned char>(c) < ' ' ? std::string_view("?") : std::string_view(&c, 1));

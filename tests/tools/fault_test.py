@@ -81,6 +81,16 @@ class ChangingFiles(Faults):
             self.assert_failed(end, "planet.olod", "was cut short")
             self.assertEqual((self.folder / "target.obj").read_bytes(), OLD)
 
+    def test_many_threads_tell_once(self):
+        """Each meets a page that is gone."""
+        path = self.make_large_hierarchy()
+        whole = path.read_bytes()
+        for _ in range(ATTEMPTS):
+            path.write_bytes(whole)
+            end = self.change_while_mapped(lambda: os.truncate(path, 4096), "render", "planet.olod", "--budget", "100000", "--repeat", "50", "--threads", "8")
+            if end[0] != 0:
+                self.assert_failed(end, "planet.olod", "was cut short")
+
     def test_hlod_cut_short_while_mapped(self):
         self.succeed("generate", "rough-planet", "level=8", "-o", "planet.ply")
         self.succeed("hlod", "build", "planet.ply", "-o", "planet.ohlod")
