@@ -249,6 +249,35 @@ TEST_F(SessionTest, ReplayedPathGivesTheFramesOfTheLibrary) {
   }
 }
 
+// What a replay by `render --frame-to-frame --occlusion picture` does: each frame's picture stands for the next one's
+// occluder.
+TEST_F(SessionTest, PicturesAreShownToTheNextFrame) {
+  open();
+  set("budget", 2000);
+  set("occlusion", "picture");
+  set("count_visible", false);
+  const PlacedObject& object = session_.state().objects->at(0);
+  const RefineObject objects[] = {{object.mesh->hierarchy.get(), object.object_to_world, object.two_sided}};
+  Refiner refiner(objects);
+  const auto software = make_software_occlusion();
+  ItemBuffer items;
+  std::vector<std::uint64_t> expected;
+  for (int i = 0; i < 5; ++i) {
+    const View view(camera_at(session_.state().paths.at("by"), i));
+    const Refinement& frame = refiner.update(view, session_.state().settings.refine, *software);
+    expected.push_back(frame.hash());
+    items.reset(view.width(), view.height());
+    const DrawObject drawn[] = {
+        {object.mesh->hierarchy->positions(), {}, frame.objects[0].triangles, object.object_to_world}};
+    draw_items(items, drawn, view);
+    software->show(items.depth);
+  }
+  EXPECT_EQ(played(session_), expected);
+  EXPECT_NE(expected, refined(session_, session_.state().settings.refine, true));
+  act(session_, {{"do", "orbit"}, {"right", 40}, {"up", 10}});
+  EXPECT_EQ(played(session_), expected);
+}
+
 // What AutoRefiner chooses for the frames of the path "by", with the calibration that the session measured.
 TEST_F(SessionTest, AutoChoosesAsTheLibraryDoes) {
   open();

@@ -285,7 +285,7 @@ TEST_F(Window, OpenGlBackendsRefine) {
   set("budget", 2000);
   set("occlusion", "none");
   const double without = session().figures().at("visible_triangles");
-  for (const char* backend : {"software", "gl-query", "auto"}) {
+  for (const char* backend : {"software", "picture", "gl-query", "auto"}) {
     set("occlusion", backend);
     EXPECT_EQ(session().state().errors, 0) << session().state().notices.back().text;
     if (backend == std::string("auto")) continue;  // chooses by what it has timed

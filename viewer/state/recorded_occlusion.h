@@ -18,6 +18,7 @@ class RecordedOcclusion final : public Visibility {
   [[nodiscard]] bool can_hide() const noexcept override { return inner_.can_hide(); }
   [[nodiscard]] std::size_t flight() const noexcept override { return inner_.flight(); }
   [[nodiscard]] bool has_picture() const noexcept override { return inner_.has_picture(); }
+  void set_threads(unsigned threads) override { inner_.set_threads(threads); }
   void begin_view(const View& view, std::span<const ObjectView> objects) override;
   void draw_occluder(std::span<const OccluderPart> parts) override;
   void submit(const VisibilityQuery& query) override { inner_.submit(query); }

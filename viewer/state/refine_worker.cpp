@@ -84,7 +84,7 @@ class Bench {
       frame.hlod_sides.clear();
       frame.cells.reset();
       frame.error = error.what();
-      refiners_.clear();  // do not continue from what failed
+      forget();  // do not continue from what failed
       backends_.clear();
       hlods_.forget();
       cells_.forget();
@@ -102,6 +102,12 @@ class Bench {
     frame.hash = frame.sides[0].refinement.hash();
     if (job.compare) frame.sides.push_back(side_beside(job));
     frame.goes_on = job.frame_to_frame && goes_on(frame);
+  }
+
+  // Continues from no mesh and no picture.
+  void forget() {
+    refiners_.clear();
+    pictured_ = make_software_occlusion();
   }
 
   // Call it after side() of what it stands beside.
@@ -140,7 +146,7 @@ class Bench {
   // Makes one refiner for each side that is refined.
   void place(const RefineJob& job, std::size_t count) {
     const bool chooses = job.occlusion == Occlusion::automatic;
-    if (job.objects != objects_ || job.from_scratch || chooses != chooses_) refiners_.clear();
+    if (job.objects != objects_ || job.from_scratch || chooses != chooses_) forget();
     objects_ = job.objects;
     chooses_ = chooses;
     while (refiners_.size() > count) refiners_.pop_back();
@@ -172,10 +178,12 @@ class Bench {
     RefinedSide result;
     refiner.refine(result, job, occlusion, visibility(occlusion), ++refinements_);
     explain(result, job, refiner);
+    if (occlusion == Occlusion::picture) pictured_->show(items_.depth);
     return result;
   }
 
   [[nodiscard]] Visibility& visibility(Occlusion occlusion) {
+    if (occlusion == Occlusion::picture) return *pictured_;
     if (occlusion == Occlusion::automatic) occlusion = Occlusion::software;
     std::unique_ptr<Visibility>& backend = backends_[occlusion];
     if (!backend) backend = make_(occlusion);
@@ -186,7 +194,8 @@ class Bench {
     const View view(job.camera);
     const Objects& objects = *job.objects;
     std::vector<bool> owns_pixel;
-    if (job.count_visible || job.keep_seen || job.color_by == ColorBy::visibility) {
+    if (job.count_visible || job.keep_seen || job.color_by == ColorBy::visibility ||
+        job.occlusion == Occlusion::picture) {
       items_.reset(view.width(), view.height());
       draw_items(items_, draw_objects(objects, refiner, side.refinement), view);
       owns_pixel = visible_items(items_, side.refinement.stats.triangles);
@@ -243,6 +252,7 @@ class Bench {
   bool chooses_ = false;
   std::shared_ptr<const Objects> objects_;
   std::map<Occlusion, std::unique_ptr<Visibility>> backends_;
+  std::unique_ptr<SoftwareOcclusion> pictured_ = make_software_occlusion();  // of Occlusion::picture
   std::deque<SideRefiner> refiners_;  // a deque, because neither they nor their backends may move
   std::uint64_t refinements_ = 0;
   int idle_frames_ = 0;

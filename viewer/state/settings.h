@@ -6,8 +6,9 @@
 
 namespace occlod::viewer {
 
-// With `automatic`, AutoRefiner chooses the effects that pay off in each view, with the software backend.
-enum class Occlusion { none, software, gl_query, automatic };
+// With `picture`, the software backend is shown the depth of each picture. With `automatic`, AutoRefiner chooses the
+// effects that pay off in each view, with the software backend.
+enum class Occlusion { none, software, picture, gl_query, automatic };
 
 enum class Shading { smooth, flat };
 
