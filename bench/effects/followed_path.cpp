@@ -29,7 +29,7 @@ void FollowedPath::follow(const Refine& refine, Scores& scores) {
   for (std::size_t i = 0; i < views_.size(); ++i) {
     const double start = thread_cpu_ms();
     drawn_ = tool::draw_objects(run_.objects, refine(views_[i]));
-    draw_items(items_, drawn_, views_[i]);
+    draw_items(items_, drawn_, views_[i], 1);
     if (i >= first_compared) scores.frame_ms[i - first_compared].push_back(thread_cpu_ms() - start);
     if (!compares || next == compared_.size() || compared_[next] != i) continue;
     scores.error_px.push_back({full_[next++].distance_to(items_, drawn_).depth_rms_px});

@@ -43,7 +43,7 @@ ScoredViews::ScoredViews(const SceneRun& run, int frames) : run_(run) {
 
 void ScoredViews::draw(std::size_t i, const Refine& refine) {
   drawn_ = tool::draw_objects(run_.objects, refine(views_[i]));
-  draw_items(items_, drawn_, views_[i]);
+  draw_items(items_, drawn_, views_[i], 1);
 }
 
 void ScoredViews::add(std::size_t i, const Refine& refine, Scores& scores, bool may_differ) {

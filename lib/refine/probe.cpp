@@ -301,37 +301,52 @@ bool Probe::take_step(Walk& walk) const {
   return true;
 }
 
-// Counts the last node of a walk whose error is not below the level, as all nodes that it stands for.
+// Counts the last node of a walk whose error is not below the level, as all nodes that it stands for, and of the splits
+// on the way there the last one that is worth the level.
 void Probe::count(std::span<const Step> path, float level_px) {
-  std::size_t last = 0;
-  while (last + 1 < path.size() && path[last + 1].error_px >= level_px) ++last;
-  const Step& at = path[last];
-  const Hierarchy& hierarchy = *objects_[at.object].hierarchy;
-  Sums& sums = sums_[at.object];
-  const SplitNode& node = hierarchy.node(at.split);
-  const double weight = at.stands_for;
+  std::size_t visited = 1;
+  while (visited < path.size() && path[visited].error_px >= level_px) ++visited;
+  Sums& sums = sums_[path.front().object];
   ++sums.samples;
-  sums.visits += weight;
-  const float priority = importances_[at.object].of(at.split).priority;
-  const bool is_split = priority > 0.0F && priority >= level_px;
-  // A node's bounds contain its star, and its parent's bounds contain both: what is visible is visible above.
-  if (is_split) {
-    ++sums.split_samples;
-    sums.splits += weight;
-    sums.splits_squared += weight * weight;
-    if (!visibility_->hides({at.object, PointHull{star_.points(hierarchy, at.split)}})) {
-      sums.seen += weight;
-      sums.seen_finer += weight;
-      for (const Step& below : path.subspan(last + 1))
-        if (below.error_px >= 0.5F * level_px) sums.seen_finer += weight * below.stands_for / at.stands_for;
-      return;
-    }
+  sums.visits += path[visited - 1].stands_for;
+  std::size_t split = visited;
+  while (split > 0 && !is_worth(path[split - 1], level_px)) --split;
+  if (split > 0) count_split(path.subspan(split - 1), level_px, sums);
+  count_visit(path[visited - 1], sums);
+}
+
+bool Probe::is_worth(const Step& step, float level_px) {
+  const float priority = importances_[step.object].of(step.split).priority;
+  return priority > 0.0F && priority >= level_px;
+}
+
+// Counts the first step.
+void Probe::count_split(std::span<const Step> path, float level_px, Sums& sums) {
+  const Step& at = path.front();
+  const Hierarchy& hierarchy = *objects_[at.object].hierarchy;
+  const double weight = at.stands_for;
+  ++sums.split_samples;
+  sums.splits += weight;
+  sums.splits_squared += weight * weight;
+  if (visibility_->hides({at.object, PointHull{star_.points(hierarchy, at.split)}})) {
     sums.stars_hidden += weight;
+    // A node's bounds contain its star: what is visible is visible above.
+    if (visibility_->hides({at.object, hierarchy.node(at.split).box()})) sums.splits_hidden += weight;
+    return;
   }
-  if (!visibility_->hides({at.object, node.box()})) return;
-  if (is_split) sums.splits_hidden += weight;
-  if (node.parent != no_id && visibility_->hides({at.object, hierarchy.node(node.parent).box()}))
-    sums.visits_hidden += weight;
+  sums.seen += weight;
+  sums.seen_finer += weight;
+  for (const Step& below : path.subspan(1))
+    if (below.error_px >= 0.5F * level_px && is_worth(below, 0.5F * level_px)) sums.seen_finer += below.stands_for;
+}
+
+// A node is not visited where the box of its parent is hidden.
+void Probe::count_visit(const Step& at, Sums& sums) {
+  const Hierarchy& hierarchy = *objects_[at.object].hierarchy;
+  const SplitNode& node = hierarchy.node(at.split);
+  if (node.parent != no_id && visibility_->hides({at.object, node.box()}) &&
+      visibility_->hides({at.object, hierarchy.node(node.parent).box()}))
+    sums.visits_hidden += at.stands_for;
 }
 
 }  // namespace occlod

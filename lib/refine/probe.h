@@ -78,6 +78,9 @@ class Probe {
   void count_walks(double level_px);
   [[nodiscard]] float error_px(std::uint32_t object, SplitId s) const;
   void count(std::span<const Step> path, float level_px);
+  [[nodiscard]] bool is_worth(const Step& step, float level_px);
+  void count_split(std::span<const Step> path, float level_px, Sums& sums);
+  void count_visit(const Step& at, Sums& sums);
 
   std::vector<RefineObject> objects_;
   Refiner scout_;

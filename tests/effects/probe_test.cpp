@@ -56,6 +56,19 @@ TEST(Probe, CountsHowMuchFinerWhatIsVisibleCanBecome) {
   EXPECT_LT(growth, 8.0);
 }
 
+// Near the ground most nodes with large errors are nearly edge-on and worth little themselves: the splits that are
+// applied are above them.
+TEST(Probe, FindsSplitsNearTheGround) {
+  const Hierarchy planet = build_hierarchy(generate("rough-planet", {{"level", 7}}));
+  const RefineObject objects[] = {{.hierarchy = &planet}};
+  Probe probe(objects);
+  RefineOptions options;
+  options.budget = 4'000;
+  const View view = view_at({1.05, 0.0, 0.0}, {1.0, 0.5, 0.0});
+  const HiddenShares ahead = probe.look_ahead(view, options).all;
+  EXPECT_GT(3 * ahead.splits, ahead.visits);
+}
+
 // Refinement without occlusion ends where the walks say, within a factor of two, although they know no forced splits
 // and not how much of a star is seen.
 TEST(Probe, KnowsWhereTheBudgetEnds) {
