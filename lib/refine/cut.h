@@ -110,14 +110,11 @@ void Cut::for_each_active(const Visit& visit) const {
 
 template <typename Visit>
 void Cut::for_each_active(std::size_t begin, std::size_t end, const Visit& visit) const {
-  constexpr std::size_t ahead = 8;  // stars are not read in the order of memory
   const std::span<const Triangle> base = hierarchy_->data().base_faces;
   for (std::uint32_t f = 0; begin == 0 && f < base.size(); ++f)
     if (!base_removed_[f]) visit(FaceRef{no_id, f}, base[f]);
   for (std::size_t i = begin; i < end; ++i) {
-    if (i + 2 * ahead < applied_.size()) prefetch(&hierarchy_->node(applied_[i + 2 * ahead]));
-    if (i + ahead < applied_.size())
-      prefetch(hierarchy_->data().stars.data() + hierarchy_->node(applied_[i + ahead]).star);
+    prefetch_stars_after(*hierarchy_, applied_, i);
     const SplitId s = applied_[i];
     if (!applied(s)) continue;
     const SplitStar star = star_of(*hierarchy_, s);

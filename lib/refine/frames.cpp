@@ -57,9 +57,11 @@ void UnseenNeeds::look_at_needs(std::uint32_t object, std::span<const SplitId> s
     outdated_.push_back(k);
   };
   for (const SplitId s : forced) look_at(front.find(s));
-  for (const SplitId s : splits) {
+  const Hierarchy& hierarchy = evaluation_.scene().hierarchy(object);
+  for (std::size_t i = 0; i < splits.size(); ++i) {
+    prefetch_stars_after(hierarchy, splits, i);
     SplitId last = no_id;
-    star_of(evaluation_.scene().hierarchy(object), s).for_each_removed_ref([&](const FaceRef& face) {
+    star_of(hierarchy, splits[i]).for_each_removed_ref([&](const FaceRef& face) {
       if (face.split == no_id || std::exchange(last, face.split) == face.split) return;
       if (cut.applied(face.split)) look_at(front.find(face.split));
     });

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/platform.h"
 #include "occlod/hierarchy.h"
 
 namespace occlod {
@@ -210,6 +211,14 @@ class SplitCorners {
 [[nodiscard]] inline SplitStar star_of(const Hierarchy& hierarchy, SplitId s) noexcept {
   const HierarchyView& data = hierarchy.data();
   return {data.stars.data() + data.nodes[s].star, hierarchy.vertex_of(s)};
+}
+
+// Begins to fetch what star_of() will read of splits soon after the i-th, which are anywhere in memory.
+inline void prefetch_stars_after(const Hierarchy& hierarchy, std::span<const SplitId> splits, std::size_t i) noexcept {
+  constexpr std::size_t ahead = 8;
+  const HierarchyView& data = hierarchy.data();
+  if (i + 2 * ahead < splits.size()) prefetch(&data.nodes[splits[i + 2 * ahead]]);
+  if (i + ahead < splits.size()) prefetch(data.stars.data() + data.nodes[splits[i + ahead]].star);
 }
 
 // Returns the wedges of the faces that split s inserts. Preconditions as for Hierarchy::node().
