@@ -12,6 +12,9 @@ export function asBytes(data, what) {
 export const defaultCamera = { up: [0, 1, 0], fovY: 45, width: 1024, height: 768, near: 0.01, far: 100, orthographicHeight: NaN };
 const clipDepths = { "-1..1": 0, "0..1": 1, "1..0": 2 };
 
+// What places a mesh: facts as tell_place() of binding.h puts them behind three others.
+export const placeOf = (facts) => ({ box: { min: facts.slice(3, 6), max: facts.slice(6, 9) }, origin: facts.slice(9, 12), up: facts[12] ? "y" : "z" });
+
 const decoder = new TextDecoder();
 const encoder = new TextEncoder();
 
