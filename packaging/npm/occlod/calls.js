@@ -40,6 +40,13 @@ export class Owned {
   }
 }
 
+// What Emscripten's start() is told of a module that is compiled, bytes, or an address.
+function where(wasm) {
+  if (wasm instanceof WebAssembly.Module) return { instantiateWasm: (imports, done) => done(new WebAssembly.Instance(wasm, imports), wasm) };
+  if (wasm instanceof ArrayBuffer || ArrayBuffer.isView(wasm)) return { wasmBinary: wasm };
+  return wasm === undefined ? {} : { locateFile: () => String(wasm) };
+}
+
 // The calls of the module that `start` loads. `api`: what it is given.
 export function connect(start, api = {}) {
   let module; // after ready()
@@ -47,8 +54,7 @@ export function connect(start, api = {}) {
 
   function ready(options = {}) {
     loading ??= start({
-      ...(options.wasm instanceof ArrayBuffer || ArrayBuffer.isView(options.wasm) ? { wasmBinary: options.wasm } : {}),
-      ...(typeof options.wasm === "string" || options.wasm instanceof URL ? { locateFile: () => String(options.wasm) } : {}),
+      ...where(options.wasm),
       ...api,
     }).then(
       (started) => {
