@@ -145,7 +145,8 @@ GltfFeatures::Names GltfFeatures::read_names(const tinygltf::Value& table, const
                           end = number_at(ends.bytes, (i + 1) * size, size);
       if (begin > end || end > std::min(text.length, text.bytes.size()))
         views_.errors().fail(place, fmt::format("has a name {} that reaches beyond its buffer", i), gltf_remedy);
-      names.push_back(readable({reinterpret_cast<const char*>(text.bytes.data()) + begin, end - begin}));
+      const auto name = text.bytes.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin));
+      names.push_back(readable({reinterpret_cast<const char*>(name.data()), name.size()}));
     }
   }
   return names;

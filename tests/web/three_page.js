@@ -3,13 +3,19 @@
 import * as three from "three";
 import { Ohlod } from "@occlod/three";
 
+const [width, height] = [innerWidth, innerHeight];
+// Around what is counted: where SwiftShader clips triangles, at the border, it leaves out single pixels of edges that two of
+// them share.
+const margin = 32;
 const renderer = new three.WebGLRenderer({ antialias: false, preserveDrawingBuffer: true });
-renderer.setSize(innerWidth, innerHeight);
+renderer.setSize(width + 2 * margin, height + 2 * margin);
+Object.assign(renderer.domElement.style, { position: "absolute", left: `${-margin}px`, top: `${-margin}px` });
 document.body.append(renderer.domElement);
+const counted = { getDrawingBufferSize: (size) => size.set(width, height) };
 const background = new three.Color(1, 0, 1);
 const scene = new three.Scene();
 scene.background = background;
-const camera = new three.PerspectiveCamera(45, innerWidth / innerHeight, 0.001, 100);
+const camera = new three.PerspectiveCamera(45, width / height, 0.001, 100);
 let ohlod;
 let opened; // when
 
@@ -23,12 +29,19 @@ function place({ eye, target, up = [0, 1, 0], fovY = 45, near = 0.001, far = 100
   camera.updateProjectionMatrix();
 }
 
+const update = () => ohlod.update(camera, counted);
+
+function render() {
+  camera.setViewOffset(width, height, -margin, -margin, width + 2 * margin, height + 2 * margin);
+  renderer.render(scene, camera);
+  camera.clearViewOffset();
+}
+
 // Where there is no surface: 1 for each such pixel.
 function empty() {
   const gl = renderer.getContext();
-  const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
   const rgba = new Uint8Array(4 * width * height);
-  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, rgba);
+  gl.readPixels(margin, margin, width, height, gl.RGBA, gl.UNSIGNED_BYTE, rgba);
   const mask = new Uint8Array(width * height);
   for (let i = 0; i < mask.length; ++i) mask[i] = rgba[4 * i] > 250 && rgba[4 * i + 1] < 5 && rgba[4 * i + 2] > 250;
   return { width, height, mask };
@@ -75,8 +88,8 @@ window.page = {
   // Draws frames until something is seen. Returns the ms since open().
   async first() {
     for (;;) {
-      ohlod.update(camera, renderer);
-      renderer.render(scene, camera);
+      update();
+      render();
       if (ohlod.stats.triangles > 0 && count(empty().mask) < empty().mask.length) return performance.now() - opened;
       await frame();
     }
@@ -88,32 +101,35 @@ window.page = {
     let isSettled = false;
     const begin = performance.now();
     do {
-      ohlod.update(camera, renderer);
+      update();
       ohlod.settled().then(() => (isSettled = true), () => {});
       await frame();
       if (performance.now() - begin > 60000) throw new Error(`has not settled: ${JSON.stringify(ohlod.stats)}`);
     } while (!isSettled);
     if (page.failures.some((line) => line.startsWith("view"))) throw new Error(page.failures.join());
-    renderer.render(scene, camera);
+    render();
     const seen = empty();
     return { stats: ohlod.stats, empty: count(seen.mask), holes: holes(seen), pixels: seen.mask.length, drawn: renderer.info.render.triangles };
   },
 
-  // One frame for each camera, whatever has come. Returns the most of each that any frame had. Pictures are drawn of what was
+  // One frame for each camera, whatever has come. Returns the most of each that any frame had, and where pixels lacked
+  // surface: frame, x, y. Pictures are drawn of what was
   // selected for the camera before: one frame late, however slow the machine. Without pictures frames follow each other as
   // fast as timers do.
   async fly(cameras, { picture = true } = {}) {
-    const most = { memoryBytes: 0, empty: 0, holes: 0, triangles: 0 };
-    for (const at of cameras) {
+    const most = { memoryBytes: 0, empty: 0, holes: 0, triangles: 0, where: [] };
+    for (const [number, at] of cameras.entries()) {
       place(at);
       if (picture) {
-        renderer.render(scene, camera);
+        render();
         const seen = empty();
         most.empty = Math.max(most.empty, count(seen.mask));
+        for (let i = 0; i < seen.mask.length && most.where.length < 9; ++i)
+          if (seen.mask[i]) most.where.push([number, i % seen.width, Math.floor(i / seen.width)]);
         most.holes = Math.max(most.holes, holes(seen));
       }
       do {
-        ohlod.update(camera, renderer);
+        update();
         if (picture) await frame();
       } while (picture && ohlod.isBehind);
       const { memoryBytes, triangles } = ohlod.stats;
@@ -138,7 +154,7 @@ window.page = {
   hideOne() {
     const drawn = ohlod.children.filter((mesh) => mesh.visible);
     drawn.sort((a, b) => b.geometry.drawRange.count - a.geometry.drawRange.count)[0].visible = false;
-    renderer.render(scene, camera);
+    render();
     const seen = empty();
     return { empty: count(seen.mask), holes: holes(seen) };
   },

@@ -52,6 +52,13 @@ namespace {
 using namespace ohlod;
 using namespace sections;
 
+// Tables of packed files are packed, too, for those who read them from afar. What fits into a request is not.
+template <typename Array>
+Codec codec_of_tables(bool is_packed, const Array& array) {
+  constexpr std::size_t least_bytes = 1U << 12U;
+  return is_packed && std::span(array).size_bytes() >= least_bytes ? Codec::zstd : Codec::stored;
+}
+
 // Writes the parts of nodes and their checksums, node by node.
 class NodeSections {
  public:
@@ -85,7 +92,7 @@ class NodeSections {
       for (std::size_t i = 0; i < count; ++i) append(packed[i]);
     }
     writer_.add(name, std::span<const std::byte>(packed_), Check::parts);
-    writer_.add(places_name, std::span<const std::uint64_t>(places_));
+    writer_.add(places_name, std::span<const std::uint64_t>(places_), Check::whole, codec_of_tables(true, places_));
     add_digests();
   }
 
@@ -138,7 +145,7 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
   const bool is_packed = compression == OlodCompression::zstd;
   SectionWriter writer;
   const auto add_tables = [&](std::string_view name, const auto& array, bool has_parts) {
-    if (!has_parts) writer.add(name, array);
+    if (!has_parts) writer.add(name, array, Check::whole, codec_of_tables(is_packed, array));
   };
   for_each_array(view, add_tables);
   NodeSections meshes(writer, digests_name, thread_count(threads));

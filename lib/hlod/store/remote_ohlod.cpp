@@ -332,13 +332,21 @@ class Needs {
     return found == table_.end() ? nullptr : &*found;
   }
 
+  // Elements of a section that has come; none where it is damaged, which opening the file will tell.
   template <typename Element>
   [[nodiscard]] std::vector<Element> elements(std::string_view name) {
     const Section* const section = find(name);
-    if (section == nullptr || section->codec != sections::Codec::stored) return {};
-    std::vector<Element> result(static_cast<std::size_t>(section->bytes / sizeof(Element)));
-    const ByteRange range{section->offset, section->offset + result.size() * sizeof(Element)};
-    if (!read(range, std::as_writable_bytes(std::span(result)))) return {};
+    if (section == nullptr || section->bytes > bytes_.size() || !olod::is_plausible(section->bytes, section->raw_bytes))
+      return {};
+    std::vector<std::byte> stored(static_cast<std::size_t>(section->bytes));
+    if (!read({section->offset, section->offset + section->bytes}, stored)) return {};
+    std::vector<Element> result(static_cast<std::size_t>(section->raw_bytes / sizeof(Element)));
+    const auto raw = std::as_writable_bytes(std::span(result));
+    if (section->codec == sections::Codec::zstd) {
+      if (!olod::unpack(stored, sizeof(Element), raw)) return {};
+    } else if (stored.size() == raw.size()) {
+      std::ranges::copy(stored, raw.begin());
+    }
     return result;
   }
 

@@ -215,21 +215,9 @@ EMSCRIPTEN_KEEPALIVE const Bytes* occlod_hierarchy_colors(const StoredHierarchy*
 // numbers: triangles of the input and of the base mesh, bound of errors, box, origin, 1 where y is up.
 EMSCRIPTEN_KEEPALIVE void occlod_hierarchy_facts(const StoredHierarchy* stored) {
   const Hierarchy& h = stored->hierarchy;
-  const glm::vec3 &low = h.box().min, &high = h.box().max;
-  const glm::dvec3& origin = h.data().origin;
-  numbers = {static_cast<double>(h.input_triangle_count()),
-             static_cast<double>(h.base_triangle_count()),
-             h.error_bound(),
-             low.x,
-             low.y,
-             low.z,
-             high.x,
-             high.y,
-             high.z,
-             origin.x,
-             origin.y,
-             origin.z,
-             h.data().up == UpAxis::y ? 1.0 : 0.0};
+  numbers = {static_cast<double>(h.input_triangle_count()), static_cast<double>(h.base_triangle_count()),
+             h.error_bound()};
+  tell_place(3, h.box(), h.data().origin, h.data().up);
 }
 
 EMSCRIPTEN_KEEPALIVE CleanMesh* occlod_cut(const StoredHierarchy* stored, std::size_t triangles, double error) {
@@ -265,8 +253,7 @@ EMSCRIPTEN_KEEPALIVE void occlod_free_refiner(RefinerState* state) { delete stat
 EMSCRIPTEN_KEEPALIVE void occlod_add_object(RefinerState* state, const StoredHierarchy* stored, bool two_sided) {
   state->hierarchies.push_back(stored->hierarchy);
   state->objects.push_back(
-      {.object_to_world = positions_to_world(glm::make_mat4(numbers.data()), stored->hierarchy.data().origin),
-       .two_sided = two_sided});
+      {.object_to_world = transform_of_numbers(stored->hierarchy.data().origin), .two_sided = two_sided});
 }
 
 // Takes the objects that have been added.
@@ -283,8 +270,7 @@ EMSCRIPTEN_KEEPALIVE bool occlod_set_transform(RefinerState* state, std::size_t 
     if (object >= state->objects.size())
       throw Error({"refiner", fmt::format("object {}", object), "does not exist", "objects are counted from 0"});
     glm::dmat4& transform = state->objects[object].object_to_world;
-    const glm::dmat4 given =
-        positions_to_world(glm::make_mat4(numbers.data()), state->hierarchies[object].data().origin);
+    const glm::dmat4 given = transform_of_numbers(state->hierarchies[object].data().origin);
     state->refiner->set_transform(object, given);
     transform = given;
     return true;

@@ -11,12 +11,15 @@
 #include <cstdint>
 #include <exception>
 #include <glm/gtc/type_ptr.hpp>
+#include <glm/mat4x4.hpp>
 #include <new>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "occlod/base.h"
+#include "occlod/bounds.h"
+#include "occlod/mesh.h"
 #include "occlod/view.h"
 
 namespace occlod::web {
@@ -69,6 +72,22 @@ inline View view_of_numbers() {
   camera.far = n[14];
   if (!std::isnan(n[15])) camera.orthographic_height = n[15];
   return View(camera);
+}
+
+// Puts into numbers, from `first` on, what places a mesh: box, origin, 1 where y is up.
+inline void tell_place(std::size_t first, const Box& box, const glm::dvec3& origin, UpAxis up) {
+  numbers[first + 9] = up == UpAxis::y ? 1.0 : 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const std::size_t at = first + static_cast<std::size_t>(i);
+    numbers[at] = box.min[i];
+    numbers[at + 3] = box.max[i];
+    numbers[at + 6] = origin[i];
+  }
+}
+
+// numbers: the transform of the coordinates of a mesh. Returns that of its positions.
+inline glm::dmat4 transform_of_numbers(const glm::dvec3& origin) {
+  return positions_to_world(glm::make_mat4(numbers.data()), origin);
 }
 
 }  // namespace occlod::web

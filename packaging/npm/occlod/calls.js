@@ -12,6 +12,9 @@ export function asBytes(data, what) {
 export const defaultCamera = { up: [0, 1, 0], fovY: 45, width: 1024, height: 768, near: 0.01, far: 100, orthographicHeight: NaN };
 const clipDepths = { "-1..1": 0, "0..1": 1, "1..0": 2 };
 
+// What places a mesh: facts as tell_place() of binding.h puts them behind three others.
+export const placeOf = (facts) => ({ box: { min: facts.slice(3, 6), max: facts.slice(6, 9) }, origin: facts.slice(9, 12), up: facts[12] ? "y" : "z" });
+
 const decoder = new TextDecoder();
 const encoder = new TextEncoder();
 
@@ -37,6 +40,13 @@ export class Owned {
   }
 }
 
+// What Emscripten's start() is told of a module that is compiled, bytes, or an address.
+function where(wasm) {
+  if (wasm instanceof WebAssembly.Module) return { instantiateWasm: (imports, done) => done(new WebAssembly.Instance(wasm, imports), wasm) };
+  if (wasm instanceof ArrayBuffer || ArrayBuffer.isView(wasm)) return { wasmBinary: wasm };
+  return wasm === undefined ? {} : { locateFile: () => String(wasm) };
+}
+
 // The calls of the module that `start` loads. `api`: what it is given.
 export function connect(start, api = {}) {
   let module; // after ready()
@@ -44,8 +54,7 @@ export function connect(start, api = {}) {
 
   function ready(options = {}) {
     loading ??= start({
-      ...(options.wasm instanceof ArrayBuffer || ArrayBuffer.isView(options.wasm) ? { wasmBinary: options.wasm } : {}),
-      ...(typeof options.wasm === "string" || options.wasm instanceof URL ? { locateFile: () => String(options.wasm) } : {}),
+      ...where(options.wasm),
       ...api,
     }).then(
       (started) => {

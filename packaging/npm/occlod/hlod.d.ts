@@ -6,7 +6,7 @@ export { OcclodError } from "./index.js";
 type Bytes = ArrayBuffer | ArrayBufferView;
 
 /** Loads the WebAssembly; everything else needs it. `wasm`: where `wasm/hlod.wasm` is, or its bytes. */
-export function ready(options?: { wasm?: string | URL | Bytes }): Promise<void>;
+export function ready(options?: { wasm?: string | URL | Bytes | WebAssembly.Module }): Promise<void>;
 
 /** The size of the memory of the module, bytes. */
 export function memoryBytes(): number;

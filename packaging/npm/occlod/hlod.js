@@ -1,5 +1,5 @@
 // HLODs in JavaScript: a class over the C interface of hlod_binding.cpp. hlod.d.ts describes it.
-import { OcclodError, Owned, asBytes, connect } from "./calls.js";
+import { OcclodError, Owned, asBytes, connect, placeOf } from "./calls.js";
 import start from "./wasm/hlod.js";
 
 const { ready, library, text, checked, withBytes, withName, view, copy, numbers, setCamera } = connect(start);
@@ -67,13 +67,13 @@ export class Hlod {
     return this.#fact(2);
   }
   get box() {
-    return this.#pointer && { min: this.#facts.slice(3, 6), max: this.#facts.slice(6, 9) };
+    return this.#pointer && placeOf(this.#facts).box;
   }
   get origin() {
-    return this.#pointer && this.#facts.slice(9, 12);
+    return this.#pointer && placeOf(this.#facts).origin;
   }
   get up() {
-    return this.#fact(12) ? "y" : "z";
+    return this.#pointer && placeOf(this.#facts).up;
   }
   get hasNormals() {
     return Boolean(this.#fact(13));

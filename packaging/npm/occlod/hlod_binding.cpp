@@ -91,28 +91,17 @@ EMSCRIPTEN_KEEPALIVE const Bytes* occlod_open_hlod(HlodState* state, double memo
 // numbers: triangles of the input, nodes, levels, box, origin, 1 where y is up, 1 where there are normals, colours.
 EMSCRIPTEN_KEEPALIVE void occlod_hlod_facts(const HlodState* state) {
   const hlod::HlodView& view = state->hlod().data();
-  const glm::vec3 &low = view.box.min, &high = view.box.max;
-  numbers = {static_cast<double>(view.input_triangle_count),
-             static_cast<double>(view.nodes.size()),
-             static_cast<double>(view.levels.size()),
-             low.x,
-             low.y,
-             low.z,
-             high.x,
-             high.y,
-             high.z,
-             view.origin.x,
-             view.origin.y,
-             view.origin.z,
-             view.up == UpAxis::y ? 1.0 : 0.0,
-             view.has_normals ? 1.0 : 0.0,
-             view.has_colors || view.has_materials || !view.materials.empty() ? 1.0 : 0.0};
+  numbers = {static_cast<double>(view.input_triangle_count), static_cast<double>(view.nodes.size()),
+             static_cast<double>(view.levels.size())};
+  tell_place(3, view.box, view.origin, view.up);
+  numbers[13] = view.has_normals ? 1.0 : 0.0;
+  numbers[14] = view.has_colors || view.has_materials || !view.materials.empty() ? 1.0 : 0.0;
 }
 
 // numbers: the transform of its coordinates.
 EMSCRIPTEN_KEEPALIVE bool occlod_place_hlod(HlodState* state) {
   return guarded([&] {
-    state->selector->set_transform(0, positions_to_world(glm::make_mat4(numbers.data()), state->hlod().data().origin));
+    state->selector->set_transform(0, transform_of_numbers(state->hlod().data().origin));
     return true;
   });
 }

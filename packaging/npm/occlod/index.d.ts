@@ -12,7 +12,7 @@ export class OcclodError extends Error {}
  * Loads the WebAssembly; everything else needs it. `wasm`: where `wasm/library.wasm` is, or its bytes, when it does not
  * lie beside the script. Later calls wait for the first.
  */
-export function ready(options?: { wasm?: string | URL | Bytes }): Promise<void>;
+export function ready(options?: { wasm?: string | URL | Bytes | WebAssembly.Module }): Promise<void>;
 
 export function version(): string;
 

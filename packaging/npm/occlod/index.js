@@ -1,5 +1,5 @@
 // occlod in JavaScript: classes over the C interface of binding.cpp. index.d.ts describes them.
-import { OcclodError, Owned, asBytes, connect, defaultCamera } from "./calls.js";
+import { OcclodError, Owned, asBytes, connect, defaultCamera, placeOf } from "./calls.js";
 import start from "./wasm/library.js";
 
 let progress;
@@ -125,13 +125,13 @@ export class Hierarchy {
     return this.#facts[2];
   }
   get box() {
-    return { min: this.#facts.slice(3, 6), max: this.#facts.slice(6, 9) };
+    return placeOf(this.#facts).box;
   }
   get origin() {
-    return this.#facts.slice(9, 12);
+    return placeOf(this.#facts).origin;
   }
   get up() {
-    return this.#facts[12] ? "y" : "z";
+    return placeOf(this.#facts).up;
   }
   get positions() {
     return copy(Float32Array, library()._occlod_hierarchy_positions(this.pointer));

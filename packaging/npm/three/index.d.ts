@@ -22,7 +22,10 @@ export interface OhlodOptions {
   requests?: number;
   /** An answer that brings nothing for so long counts as lost; 4,000 when not given. */
   stallMs?: number;
-  /** Headers and others for fetch(); they go to the worker. */
+  /**
+   * Headers and others for fetch(); they go to the worker. The browser keeps no answers unless `cache` says so: Chrome would
+   * make one request after the other.
+   */
   fetchOptions?: RequestInit;
   /** Where wasm/hlod.wasm of the package occlod is, when it does not lie there. */
   wasm?: string | URL;

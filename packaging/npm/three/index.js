@@ -9,6 +9,16 @@ const workerShare = { plain: 1 / 6, geomorph: 1 / 24 };
 
 const size = new Vector2();
 
+// By address: WebAssembly that is compiled while workers start, for all objects that have the same.
+const modules = new Map();
+
+// Resolves with the module; with its address where it cannot be compiled here: the worker says why.
+function moduleAt(address) {
+  if (!modules.has(address))
+    modules.set(address, WebAssembly.compileStreaming(fetch(address)).catch(() => (modules.delete(address), address)));
+  return modules.get(address);
+}
+
 export class Ohlod extends Group {
   isOhlod = true;
   tolerancePx;
@@ -48,8 +58,9 @@ export class Ohlod extends Group {
     const base = globalThis.document?.baseURI ?? globalThis.location?.href;
     const share = geomorph ? workerShare.geomorph : workerShare.plain;
     const open = { url: new URL(url, base).href, memory: Math.floor(memory * share), geomorph, requests, stallMs, fetchOptions };
-    if (wasm) open.wasm = wasm instanceof URL || typeof wasm === "string" ? new URL(wasm, base).href : wasm;
     this.#worker.postMessage({ open });
+    const address = wasm ? new URL(wasm, base) : new URL("../../occlod/wasm/hlod.wasm", import.meta.url);
+    moduleAt(address.href).then((wasm) => this.#worker.postMessage({ wasm }));
   }
 
   get material() {

@@ -140,6 +140,7 @@ export class HlodStream {
       stalls();
       const { headers, ...others } = this.#options.fetchOptions;
       const response = await fetch(this.#url, {
+        cache: "no-store", // else Chrome lets requests for one address wait for each other
         ...others,
         headers: { ...headers, Range: `bytes=${begin}-${end - 1}` },
         signal: flight.signal,

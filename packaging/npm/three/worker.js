@@ -1,15 +1,19 @@
-// Streams an .ohlod file and selects what to draw of it. Messages in: {open}, {frame}; out: {opened} or {failed}, {arrived},
+// Streams an .ohlod file and selects what to draw of it. Messages in: {open}, {wasm}, {frame}; out: {opened} or {failed}, {arrived},
 // and {selection} or {missed} as the answer to each {frame}. Meshes go along with the first selection that has them; a frame
 // names those that are no longer held.
+import "../../occlod/calls.js"; // named, so that they are fetched along with what imports them
+import "../../occlod/wasm/hlod.js";
 import { ready } from "../../occlod/hlod.js";
 import { HlodStream } from "./stream.js";
 
 let stream;
 let arrays; // that meshes need
 const held = new Set(); // nodes whose meshes the other side has
+let takeWasm;
+const wasm = new Promise((taken) => (takeWasm = taken));
 
-async function open({ url, wasm, ...options }) {
-  stream = new HlodStream(url, { ...options, ready: ready({ wasm }), onArrival: () => postMessage({ arrived: true }) });
+async function open({ url, ...options }) {
+  stream = new HlodStream(url, { ...options, ready: wasm.then((wasm) => ready({ wasm })), onArrival: () => postMessage({ arrived: true }) });
   const hlod = await stream.open();
   const { triangleCount, nodeCount, box, origin, up, hasNormals, hasColors } = hlod;
   arrays = ["positions", "indices", ...(hasNormals ? ["normals"] : []), ...(hasColors ? ["colors"] : []), ...(options.geomorph ? ["slides"] : [])];
@@ -51,6 +55,7 @@ function answer({ camera, transform, dropped, options }) {
 self.onmessage = async ({ data }) => {
   try {
     if (data.open) await open(data.open);
+    else if (data.wasm) takeWasm(data.wasm);
     else answer(data.frame);
   } catch (error) {
     postMessage(data.open ? { failed: error.message } : { missed: error.message });
