@@ -95,11 +95,17 @@ void run(const Options& options) {
   const BuiltHlod built =
       build_from_files(options.inputs, limit.has_value(), build_options(options, progress), progress);
   const double build_ms = stopwatch.restart();
-  write_interruptibly(options.output, built.hlod.bytes(), progress, [&] {
-    write_ohlod(options.output, built.hlod, built.report,
-                options.packing == Packing::none ? OlodCompression::none : OlodCompression::zstd,
-                folder_of(options.inputs[0]), OhlodImages::nodes, options.build.threads);
-  });
+  OhlodOptions file;
+  if (options.packing == Packing::none) file.compression = OlodCompression::none;
+  file.images = OhlodImages::nodes;
+  file.image_folder = folder_of(options.inputs[0]);
+  file.threads = options.build.threads;
+  file.images_progress = [&](double done) {
+    note_interrupts();
+    progress.show("making images of " + options.output, done);
+  };
+  write_interruptibly(options.output, built.hlod.bytes(), progress,
+                      [&] { write_ohlod(options.output, built.hlod, built.report, file); });
   if (options.resume) remove_journal(journal_of(options));
   const double write_ms = stopwatch.milliseconds();
   progress.clear();

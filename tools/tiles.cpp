@@ -60,7 +60,7 @@ fs::path folder_beside(fs::path output) {
 
 void check(const Options& options, const CLI::App& command) {
   if (is_hlod(options))
-    for (const char* const option : {"--node-triangles", "--memory", "--crs"})
+    for (const char* const option : {"--node-triangles", "--crs"})
       if (command.count(option) > 0)
         throw CLI::ValidationError(option, "goes with meshes only: an .ohlod file is built already");
   refuse_inputs_in(options.output, options.inputs);

@@ -142,7 +142,7 @@ void compare_hlods(const Scene& scene, const CleanMesh& cleaned, int threads, te
   const auto compare = [&](const char* kind) {
     const hlod::Hlod hlod = build_hlod(cleaned.mesh, options);
     const std::uint64_t hash = file_hash(
-        [&](const std::filesystem::path& file) { write_ohlod(file, hlod, cleaned.report, OlodCompression::none); });
+        [&](const std::filesystem::path& file) { write_ohlod(file, hlod, cleaned.report, {.compression = OlodCompression::none}); });
     expected.compare(scene.name + kind, hash, std::to_string(threads) + " threads");
   };
   compare(".hlod.shifted");

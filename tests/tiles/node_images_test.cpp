@@ -75,7 +75,7 @@ std::vector<char> bytes_of(const std::filesystem::path& file) {
 
 class NodeImages : public ::testing::TestWithParam<OlodCompression> {
  protected:
-  NodeImages() { write_ohlod(file_, built(), {}, GetParam(), {}, OhlodImages::nodes); }
+  NodeImages() { write_ohlod(file_, built(), {}, {.compression = GetParam(), .images = OhlodImages::nodes}); }
 
   // Where the image of a node begins in the file.
   [[nodiscard]] std::uint64_t place_of(NodeId n) const {
@@ -140,8 +140,8 @@ TEST_P(NodeImages, ErrorsAreNoLessThanTexels) {
 // A file that was read is written as it was, and the same input gives the same file.
 TEST_P(NodeImages, TheSameBytes) {
   const OhlodFile file = read_ohlod(file_);
-  write_ohlod(folder_ / "again.ohlod", file.hlod, file.report, file.compression);
-  write_ohlod(folder_ / "anew.ohlod", built(), {}, GetParam(), {}, OhlodImages::nodes);
+  write_ohlod(folder_ / "again.ohlod", file.hlod, file.report, {.compression = file.compression});
+  write_ohlod(folder_ / "anew.ohlod", built(), {}, {.compression = GetParam(), .images = OhlodImages::nodes});
   EXPECT_EQ(bytes_of(folder_ / "again.ohlod"), bytes_of(file_));
   EXPECT_EQ(bytes_of(folder_ / "anew.ohlod"), bytes_of(file_));
 }
@@ -188,7 +188,7 @@ TEST_P(NodeImages, DamagedOnesAreToldOnceAndTheirNodesStayAway) {
 TEST(NodeImageTable, MustLieWithinTheImages) {
   Folder folder;
   const std::filesystem::path file = folder / "hills.ohlod";
-  write_ohlod(file, built(), {}, OlodCompression::zstd, {}, OhlodImages::nodes);
+  write_ohlod(file, built(), {}, {.images = OhlodImages::nodes});
   const OhlodFile good = read_ohlod(file);
   hlod::HlodData data = copy_data(good.hlod);
   EXPECT_FALSE(check_structure(view_of(data)));
