@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""check_hlod_kills.py OCCLOD FOLDER [--cells 3200] [--memory 1G] [--kills 20] [--seed 1]: an HLOD of a model like those of photogrammetry, larger than memory, that
-is killed at random moments again and again and resumed each time has the bytes of a build that was left alone, on one thread and on all. Writes all files into FOLDER,
-2 * CELLS^2 triangles as FOLDER/terrain.obj (80 bytes each) unless that is there: rough ground with walls and holes, in charts of 64 x 64 cells, each in one of 16 images.
-Prints peak memory, bytes and times. Needs numpy."""
+"""check_hlod_kills.py OCCLOD FOLDER [--cells 3200] [--texels 8192] [--memory 1G] [--kills 20] [--seed 1]: a textured HLOD of a model like those of photogrammetry,
+larger than memory, that is killed at random moments again and again and resumed each time has the bytes of a build that was left alone, on one thread and on all; and so
+has its tileset. Writes all files into FOLDER, 2 * CELLS^2 triangles as FOLDER/terrain.obj (70 bytes each) unless that is there: rough ground with walls and holes, in
+charts of 64 x 64 cells, which fill 16 images of TEXELS x TEXELS. Prints peak memory, bytes and times. Needs numpy and Pillow."""
 import argparse
 import json
 import math
@@ -86,15 +86,16 @@ def write_model(folder, cells, size, seed):
 
 def built(command, folder, name, *arguments):
     start = time.monotonic()
-    printed = subprocess.run([*command, "-o", folder / name, "--json", *arguments], check=True, capture_output=True, text=True).stdout
-    told = json.loads(printed)
+    told = json.loads(subprocess.run([*command, "-o", folder / name, "--json", *arguments], check=True, capture_output=True, text=True).stdout)
     print(f"{name}: {told['triangles']} triangles, {time.monotonic() - start:.1f} s, peak {told['peak_bytes'] / 1e6:.0f} MB, "
-          f"scratch files {told['scratch_bytes'] / 1e6:.0f} MB, {told['file_bytes'] / 1e6:.0f} MB written", flush=True)
+          f"scratch files {told['scratch_bytes'] / 1e6:.0f} MB, {told.get('file_bytes', told.get('bytes')) / 1e6:.0f} MB written", flush=True)
     return time.monotonic() - start
 
 
-def same(a, b):
-    return subprocess.run(["cmp", a, b], check=False).returncode == 0
+def require_same(folder, *names):
+    for other in names[1:]:
+        if subprocess.run(["cmp", folder / names[0], folder / other], check=False).returncode != 0:
+            raise SystemExit(f"check_hlod_kills.py: {other} has other bytes")
 
 
 def kill_again_and_again(command, folder, seconds, wanted, seed):
@@ -117,6 +118,7 @@ def main():
     parser.add_argument("occlod", type=pathlib.Path)
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--cells", type=int, default=3200)
+    parser.add_argument("--texels", type=int, default=8192)
     parser.add_argument("--memory", default="1G")
     parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
@@ -124,15 +126,18 @@ def main():
     given.folder.mkdir(parents=True, exist_ok=True)
     model = given.folder / "terrain.obj"
     if not model.exists():
-        write_model(given.folder, given.cells, given.seed)
-    command = [given.occlod.resolve(), "hlod", "build", model, "--memory", given.memory]
+        write_model(given.folder, given.cells, given.texels, given.seed)
+    occlod = given.occlod.resolve()
+    command = [occlod, "hlod", "build", model, "--memory", given.memory, "--grouping", "nested", "--borders", "free", "--error-bound", "measured"]
     built(command, given.folder, "one.ohlod", "--threads", "1")
     seconds = built(command, given.folder, "all.ohlod")
     kill_again_and_again(command, given.folder, seconds, given.kills, given.seed)
     built(command, given.folder, "killed.ohlod", "--resume")
-    for other in ("all.ohlod", "killed.ohlod"):
-        if not same(given.folder / "one.ohlod", given.folder / other):
-            raise SystemExit(f"check_hlod_kills.py: {other} has other bytes")
+    require_same(given.folder, "one.ohlod", "all.ohlod", "killed.ohlod")
+    command = [occlod, "tiles", given.folder / "all.ohlod", "--memory", given.memory, "--replace"]
+    built(command, given.folder, "one.3tz", "--threads", "1")
+    built(command, given.folder, "all.3tz")
+    require_same(given.folder, "one.3tz", "all.3tz")
     print("the same bytes")
 
 

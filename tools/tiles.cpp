@@ -102,6 +102,7 @@ void run(const Options& options) {
   if (!is_hlod(options)) result["build_ms"] = build_ms;
   result["write_ms"] = stopwatch.milliseconds();
   result["peak_bytes"] = peak_bytes();
+  if (limit) result["scratch_bytes"] = limit->max_scratch_bytes();
   print_result(result, built.report.left_out, options.json);
 }
 
@@ -120,8 +121,8 @@ void add_tiles(CLI::App& app) {
       ->excludes("--origin");
   add_node_triangles(command, options->build.node_triangles);
   add_memory(command, options->memory, min_build_memory,
-             "Stream the input and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files "
-             "beside OUTPUT");
+             "Stream meshes and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files beside "
+             "OUTPUT");
   command.callback([options, &command] {
     read_global_options(command,
                         {.json = &options->json, .progress = &options->progress, .threads = &options->build.threads});
