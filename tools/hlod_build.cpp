@@ -19,6 +19,7 @@
 #include "occlod/node_store.h"
 #include "option_values.h"
 #include "peak_bytes.h"
+#include "standard_streams.h"
 #include "stopwatch.h"
 
 namespace occlod::tool {
@@ -107,6 +108,8 @@ void run(const Options& options) {
   write_interruptibly(options.output, built.hlod.bytes(), progress,
                       [&] { write_ohlod(options.output, built.hlod, built.report, file); });
   if (options.resume) remove_journal(journal_of(options));
+  if (options.build.within == hlod::Within::splits && !built.hlod.data().textures.empty())
+    print_note("nodes have no images of their own, as without --within splits: pictures show those of the input");
   const double write_ms = stopwatch.milliseconds();
   progress.clear();
 

@@ -341,8 +341,7 @@ void build_hlod_file(const std::filesystem::path& input, const std::filesystem::
     report = mesh.report;
     built = build_hlod(mesh.mesh, options, report);
   }
-  write_ohlod(path, built, report,
-              {.compression = compression, .image_folder = folder, .threads = options.threads});
+  write_ohlod(path, built, report, {.compression = compression, .image_folder = folder, .threads = options.threads});
 }
 
 void bind_building(nb::module_& m) {

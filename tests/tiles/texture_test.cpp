@@ -304,7 +304,8 @@ TEST(SourceTextures, WhatRepeatsStaysShared) {
   EXPECT_EQ(mapped.shared().at(0).reason, "a material has further maps");
 }
 
-// Under a memory limit the texels of many small images can leave main memory, too: all sizes of all images, 256^2 + 128^2
+// Under a memory limit the texels of many small images can leave main memory, too: all sizes of all images, 256^2 +
+// 128^2
 // + ... + 1 each, lie in scratch files.
 TEST(SourceTextures, SmallImagesLieInScratchFiles) {
   TriangleMesh mesh = textured(texture_of(256, 256, own_color));
