@@ -82,7 +82,7 @@ class Run:
     def build(self):
         for name, options in (("nested", ["--grouping", "nested", "--borders", "free"]), ("shifted", [])):
             if not (self.out / f"{name}.ohlod").exists():
-                self.occlod("hlod", "build", self.options.scene, "-o", self.out / f"{name}.ohlod", *options, "--json")
+                self.occlod("hlod", "build", self.options.scene, "-o", self.out / f"{name}.ohlod", "--error-bound", "measured", *options, "--json")
         say(f"\n{'export':12} {'tiles':>8} {'triangles':>11} {'content bytes':>14} {'all bytes':>12} {'per triangle':>13} {'ms':>8}")
         for name, options in EXPORTS.items():
             told = self.occlod("tiles", self.out / "nested.ohlod", "-o", self.out / name, *options, "--replace", "--json")

@@ -19,6 +19,7 @@
 #include "occlod/node_store.h"
 #include "option_values.h"
 #include "peak_bytes.h"
+#include "standard_streams.h"
 #include "stopwatch.h"
 
 namespace occlod::tool {
@@ -95,12 +96,20 @@ void run(const Options& options) {
   const BuiltHlod built =
       build_from_files(options.inputs, limit.has_value(), build_options(options, progress), progress);
   const double build_ms = stopwatch.restart();
-  write_interruptibly(options.output, built.hlod.bytes(), progress, [&] {
-    write_ohlod(options.output, built.hlod, built.report,
-                options.packing == Packing::none ? OlodCompression::none : OlodCompression::zstd,
-                folder_of(options.inputs[0]), OhlodImages::nodes, options.build.threads);
-  });
+  OhlodOptions file;
+  if (options.packing == Packing::none) file.compression = OlodCompression::none;
+  file.images = OhlodImages::nodes;
+  file.image_folder = folder_of(options.inputs[0]);
+  file.threads = options.build.threads;
+  file.images_progress = [&](double done) {
+    note_interrupts();
+    progress.show("making images of " + options.output, done);
+  };
+  write_interruptibly(options.output, built.hlod.bytes(), progress,
+                      [&] { write_ohlod(options.output, built.hlod, built.report, file); });
   if (options.resume) remove_journal(journal_of(options));
+  if (options.build.within == hlod::Within::splits && !built.hlod.data().textures.empty())
+    print_note("nodes have no images of their own, as without --within splits: pictures show those of the input");
   const double write_ms = stopwatch.milliseconds();
   progress.clear();
 

@@ -60,7 +60,7 @@ fs::path folder_beside(fs::path output) {
 
 void check(const Options& options, const CLI::App& command) {
   if (is_hlod(options))
-    for (const char* const option : {"--node-triangles", "--memory", "--crs"})
+    for (const char* const option : {"--node-triangles", "--crs"})
       if (command.count(option) > 0)
         throw CLI::ValidationError(option, "goes with meshes only: an .ohlod file is built already");
   refuse_inputs_in(options.output, options.inputs);
@@ -102,6 +102,7 @@ void run(const Options& options) {
   if (!is_hlod(options)) result["build_ms"] = build_ms;
   result["write_ms"] = stopwatch.milliseconds();
   result["peak_bytes"] = peak_bytes();
+  if (limit) result["scratch_bytes"] = limit->max_scratch_bytes();
   print_result(result, built.report.left_out, options.json);
 }
 
@@ -120,8 +121,8 @@ void add_tiles(CLI::App& app) {
       ->excludes("--origin");
   add_node_triangles(command, options->build.node_triangles);
   add_memory(command, options->memory, min_build_memory,
-             "Stream the input and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files "
-             "beside OUTPUT");
+             "Stream meshes and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files beside "
+             "OUTPUT");
   command.callback([options, &command] {
     read_global_options(command,
                         {.json = &options->json, .progress = &options->progress, .threads = &options->build.threads});

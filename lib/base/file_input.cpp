@@ -38,10 +38,14 @@ MappedFile::MappedFile(const std::filesystem::path& path)
     : bytes_(with_path(path, [](const char* name) {
         const InputFile file(name);
         return file.size() == 0 ? std::span<const std::byte>() : file.map();
-      })) {}
+      })) {
+  if (!bytes_.empty()) let_leave(bytes_);
+}
 
 MappedFile::~MappedFile() {
-  if (!bytes_.empty()) unmap(bytes_);
+  if (bytes_.empty()) return;
+  keep(bytes_);
+  unmap(bytes_);
 }
 
 LargeVector<std::byte> read_whole(const std::filesystem::path& path) {

@@ -33,6 +33,7 @@ struct Scratch {
   std::mutex mutex;
   std::optional<std::filesystem::path> folder;  // set while a MemoryLimit lives
   std::map<void*, ScratchFile> files;           // by start address
+  std::map<std::byte*, std::size_t> mapped;     // other mapped files, which are read only: their sizes by start address
   std::size_t bytes = 0, max_bytes = 0;         // of all `files` together
 };
 
@@ -65,6 +66,7 @@ class Pager {
     if (now.all + coming < threshold() || now.of_files < limit_ / 16) return;  // other memory cannot leave
     const std::scoped_lock files(scratch().mutex);
     for (const auto& [begin, file] : scratch().files) file.page_out();
+    for (const auto& [begin, bytes] : scratch().mapped) give_pages_back(begin, bytes);
     last_ = now.all - std::min(now.all, now.of_files);
   }
 
@@ -192,6 +194,16 @@ bool free_scratch(void* memory) noexcept {
   all.bytes -= found->second.bytes().size();
   gone = all.files.extract(found);
   return true;
+}
+
+void let_leave(std::span<const std::byte> mapped_file) {
+  const std::scoped_lock lock(scratch().mutex);
+  scratch().mapped.emplace(const_cast<std::byte*>(mapped_file.data()), mapped_file.size());
+}
+
+void keep(std::span<const std::byte> mapped_file) noexcept {
+  const std::scoped_lock lock(scratch().mutex);
+  scratch().mapped.erase(const_cast<std::byte*>(mapped_file.data()));
 }
 
 namespace {

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <span>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -22,6 +23,11 @@ void make_room() noexcept;
 [[nodiscard]] void* allocate_scratch(std::size_t bytes);
 // Frees memory from allocate_scratch(). Returns false, and does nothing, for any other memory.
 bool free_scratch(void* memory) noexcept;
+
+// From now on the pages of a file that is mapped for reading leave main memory, too, when those of scratch files do.
+void let_leave(std::span<const std::byte> mapped_file);
+// The reverse, before it is unmapped.
+void keep(std::span<const std::byte> mapped_file) noexcept;
 
 // Waits until the process is below its MemoryLimit or no more pages can leave main memory. Loops over large arrays call
 // it every few hundred steps, so that the thread that fills memory waits for room, even on a busy machine. Does nothing

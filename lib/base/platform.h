@@ -28,7 +28,8 @@ inline void relax() noexcept {
 
 // Allows the system to back these bytes with huge pages.
 void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
-// Frees the whole pages among these bytes: they lose their contents and take no memory until they are used again.
+// Frees the whole pages among these bytes: they take no memory until they are used again. Those of a mapped file come
+// back from it, others lose their contents.
 void give_pages_back(void* memory, std::size_t bytes) noexcept;
 
 // A file without a name in a folder, mapped for reading and writing, with disk space reserved for all its bytes.

@@ -35,7 +35,7 @@ std::optional<std::size_t> GlbLook::image_of(TextureId t, const MeshOutput& outp
   }
   Image image{t, {}, {}};
   if (texture.bytes.empty()) {
-    image.file_bytes = read_image(texture, output.image_folder).value_or(std::vector<std::uint8_t>());
+    image.file_bytes = read_image(texture, output.image_folder).value_or(ImageBytes());
     image.type = image_type(image.file_bytes, texture.file);
     if (image.file_bytes.empty()) note_missing(texture.file, output);
   } else {

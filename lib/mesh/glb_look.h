@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mesh/glb.h"
+#include "mesh/image_files.h"
 #include "mesh/mesh_writers.h"
 #include "occlod/mesh.h"
 
@@ -32,10 +33,11 @@ class GlbLook {
   struct Image {
     TextureId texture;  // the first that shows it
     std::string type;   // MIME
-    std::vector<std::uint8_t> file_bytes;
+    ImageBytes file_bytes;
 
     [[nodiscard]] std::span<const std::uint8_t> bytes_of(const Texture& from) const {
-      return from.bytes.empty() ? std::span(file_bytes) : std::span(from.bytes);
+      if (from.bytes.empty()) return file_bytes;
+      return from.bytes;
     }
   };
 

@@ -14,7 +14,7 @@
 namespace occlod {
 namespace {
 
-// The decoder's memory. Each block is preceded by its size, in a cache line of its own.
+// The memory of decoder and encoder. Each block is preceded by its size, in a cache line of its own.
 constexpr std::size_t block_head = 64;
 
 void* allocate_block(std::size_t bytes) noexcept {
@@ -23,7 +23,7 @@ void* allocate_block(std::size_t bytes) noexcept {
     std::memcpy(block, &bytes, sizeof bytes);
     return block + block_head;
   } catch (...) {
-    return nullptr;  // the decoder, which is C, then fails
+    return nullptr;  // they are C, and then fail
   }
 }
 
@@ -48,7 +48,7 @@ void* reallocate_block(void* block, std::size_t bytes) noexcept {
 }  // namespace
 }  // namespace occlod
 
-// The macros bring the decoder's casts into this file.
+// The macros bring the casts of decoder and encoder into this file.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wold-style-cast"
 #define STBI_MALLOC(bytes) occlod::allocate_block(bytes)
@@ -63,18 +63,16 @@ void* reallocate_block(void* block, std::size_t bytes) noexcept {
 #ifdef OCCLOD_HAS_ZLIB
 #include <zlib.h>
 
-#include <cstdlib>
-
 namespace occlod {
 namespace {
 
 // Compresses what the encoder has filtered into memory that it frees: its own compressor needs a third more bytes.
 unsigned char* compress_filtered(const unsigned char* data, int bytes, int* packed_bytes, int /*quality*/) noexcept {
   uLongf size = compressBound(static_cast<uLong>(bytes));
-  auto* const packed = static_cast<unsigned char*>(std::malloc(size));
+  auto* const packed = static_cast<unsigned char*>(allocate_block(size));
   if (packed == nullptr) return nullptr;
   if (compress2(packed, &size, data, static_cast<uLong>(bytes), Z_BEST_COMPRESSION) != Z_OK) {
-    std::free(packed);
+    free_block(packed);
     return nullptr;
   }
   *packed_bytes = static_cast<int>(size);
@@ -87,10 +85,16 @@ unsigned char* compress_filtered(const unsigned char* data, int bytes, int* pack
 #define STBIW_ZLIB_COMPRESS occlod::compress_filtered
 #endif
 
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#define STBIW_MALLOC(bytes) occlod::allocate_block(bytes)
+#define STBIW_REALLOC(block, bytes) occlod::reallocate_block(block, bytes)
+#define STBIW_FREE(block) occlod::free_block(block)
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
 #define STBI_WRITE_NO_STDIO
 #include <stb_image_write.h>
+#pragma GCC diagnostic pop
 
 namespace occlod {
 namespace {
@@ -116,8 +120,8 @@ void append(void* to, void* data, int size) {
 }
 
 // Returns the channels of the pixels one after the other, without alpha for 3.
-std::vector<std::uint8_t> channels_of(std::span<const glm::u8vec4> pixels, int channels) {
-  std::vector<std::uint8_t> values;
+LargeVector<std::uint8_t> channels_of(std::span<const glm::u8vec4> pixels, int channels) {
+  LargeVector<std::uint8_t> values;
   values.reserve(pixels.size() * static_cast<std::size_t>(channels));
   for (const glm::u8vec4& p : pixels)
     for (int k = 0; k < channels; ++k) values.push_back(p[k]);
@@ -163,14 +167,14 @@ Texels decode_texels(std::span<const std::uint8_t> bytes, const std::string& nam
 std::vector<std::uint8_t> encode_png(std::span<const glm::u8vec4> pixels, int width) {
   const bool is_opaque = std::ranges::all_of(pixels, [](const glm::u8vec4& p) { return p.a == 255; });
   const int channels = is_opaque ? 3 : 4;
-  const std::vector<std::uint8_t> values = channels_of(pixels, channels);
+  const LargeVector<std::uint8_t> values = channels_of(pixels, channels);
   return encoded(pixels, width, [&](Output& output, int height) {
     return stbi_write_png_to_func(append, &output, width, height, channels, values.data(), width * channels);
   });
 }
 
 std::vector<std::uint8_t> encode_jpeg(std::span<const glm::u8vec4> pixels, int width) {
-  const std::vector<std::uint8_t> values = channels_of(pixels, 3);
+  const LargeVector<std::uint8_t> values = channels_of(pixels, 3);
   return encoded(pixels, width, [&](Output& output, int height) {
     return stbi_write_jpg_to_func(append, &output, width, height, 3, values.data(), jpeg_quality);
   });

@@ -7,7 +7,6 @@
 #include <cctype>
 #include <cstddef>
 #include <fstream>
-#include <iterator>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -78,17 +77,21 @@ void lead_to_images(std::vector<Texture>& textures, const ImageFolders& folders)
   for (Texture& texture : textures) texture.file = name_that_leads(texture.file, folders);
 }
 
-std::optional<std::vector<std::uint8_t>> read_image(const Texture& texture, const fs::path& folder) {
-  if (!texture.bytes.empty()) return texture.bytes;
+std::optional<ImageBytes> read_image(const Texture& texture, const fs::path& folder) {
+  if (!texture.bytes.empty()) return ImageBytes(texture.bytes.begin(), texture.bytes.end());
   const fs::path path = image_path(texture.file, folder);
   if (!is_file(path)) return std::nullopt;
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error || size == 0) return std::nullopt;
+  ImageBytes bytes(size);
   std::ifstream stream(path, std::ios::binary);
-  std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (stream.bad() || bytes.empty()) return std::nullopt;
+  if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size))) return std::nullopt;
   return bytes;
 }
 
-std::optional<std::vector<std::uint8_t>> find_image(const Texture& texture, const fs::path& folder) {
+std::optional<ImageBytes> find_image(const Texture& texture, const fs::path& folder) {
+  if (!texture.bytes.empty()) return read_image(texture, folder);
   Texture wanted = texture;
   for (;;) {
     if (auto bytes = read_image(wanted, folder)) return bytes;

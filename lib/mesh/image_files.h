@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/memory.h"
 #include "occlod/mesh.h"
 
 namespace occlod {
@@ -29,14 +30,15 @@ struct ImageFolders {
 // Replaces the names of files by those that lead to them.
 void lead_to_images(std::vector<Texture>& textures, const ImageFolders& folders);
 
-// Returns the encoded image: what the texture holds, or what its file holds; nothing when that cannot be read.
-[[nodiscard]] std::optional<std::vector<std::uint8_t>> read_image(const Texture& texture,
-                                                                  const std::filesystem::path& folder);
+// An encoded image, in large memory (base/memory.h).
+using ImageBytes = LargeVector<std::uint8_t>;
+
+// Returns what the texture holds, or what its file holds; nothing when that cannot be read.
+[[nodiscard]] std::optional<ImageBytes> read_image(const Texture& texture, const std::filesystem::path& folder);
 
 // The same for a file that is found by its name, or by its name without the first folders: that leads from where the
 // mesh has been written since, while the folder may be that where it was read.
-[[nodiscard]] std::optional<std::vector<std::uint8_t>> find_image(const Texture& texture,
-                                                                  const std::filesystem::path& folder);
+[[nodiscard]] std::optional<ImageBytes> find_image(const Texture& texture, const std::filesystem::path& folder);
 
 // Returns the name of a texture's file, or `image N` of one that the mesh holds.
 [[nodiscard]] std::string name_of_image(std::span<const Texture> textures, TextureId id);

@@ -179,7 +179,8 @@ void BuildCache::store(const std::string& key, const Hierarchy& hierarchy, const
 }
 
 void BuildCache::store(const std::string& key, const hlod::Hlod& hlod, const MeshReport& report) const {
-  store_by("the HLOD", [&] { write_ohlod(path_of(key, ".ohlod"), hlod, report, OlodCompression::none); });
+  store_by("the HLOD",
+           [&] { write_ohlod(path_of(key, ".ohlod"), hlod, report, {.compression = OlodCompression::none}); });
 }
 
 using SharedHlod = std::shared_ptr<const hlod::Hlod>;

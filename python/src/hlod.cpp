@@ -270,8 +270,11 @@ void bind_hlod_class(nb::module_& m) {
           [](const Hlod& h, const std::filesystem::path& path, const std::optional<MeshReport>& report,
              OlodCompression compression, const std::filesystem::path& images, bool node_images, int threads) {
             const ReleasedGil release;
-            write_ohlod(path, h, report.value_or(MeshReport{}), compression, images,
-                        node_images ? OhlodImages::nodes : OhlodImages::named, threads);
+            write_ohlod(path, h, report.value_or(MeshReport{}),
+                        {.compression = compression,
+                         .images = node_images ? OhlodImages::nodes : OhlodImages::named,
+                         .image_folder = images,
+                         .threads = threads});
           },
           "path"_a, nb::kw_only(), "report"_a = nb::none(), "compression"_a = OlodCompression::zstd, "images"_a = "",
           "node_images"_a = false, "threads"_a = 0,
@@ -338,7 +341,7 @@ void build_hlod_file(const std::filesystem::path& input, const std::filesystem::
     report = mesh.report;
     built = build_hlod(mesh.mesh, options, report);
   }
-  write_ohlod(path, built, report, compression, folder, OhlodImages::named, options.threads);
+  write_ohlod(path, built, report, {.compression = compression, .image_folder = folder, .threads = options.threads});
 }
 
 void bind_building(nb::module_& m) {

@@ -2,12 +2,16 @@
 #include <signal.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
+#include <fstream>
 #include <numeric>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "base/file_input.h"
 #include "base/memory.h"
 #include "base/platform.h"
 #include "base/threads.h"
@@ -64,6 +68,26 @@ TEST_F(MemoryLimitTest, LoopsInNoOrderStayBelowIt) {
     for (std::size_t before = most; before < now && !most.compare_exchange_weak(before, now);) continue;
   });
   EXPECT_EQ(sum, std::size_t{1} << 14U);
+  EXPECT_LT(most, limit_bytes);
+}
+
+// Pages of a file that is mapped for reading count as the process's memory, so they leave with those of scratch files.
+TEST_F(MemoryLimitTest, PagesOfMappedFilesLeave) {
+  const std::filesystem::path file = folder_ / "mapped";
+  {
+    const std::vector<char> some(mebibyte, 'a');
+    std::ofstream stream(file, std::ios::binary);
+    for (int i = 0; i < 256; ++i) stream.write(some.data(), static_cast<std::streamsize>(some.size()));
+  }
+  const std::size_t limit_bytes = resident_memory().all + 128 * mebibyte;
+  const MemoryLimit limit(limit_bytes, folder_);
+  const MappedFile mapped(file);
+  std::size_t most = 0;
+  for (std::size_t i = 0; i < mapped.bytes().size(); i += 4096) {
+    make_room();
+    ASSERT_EQ(mapped.bytes()[i], std::byte{'a'});
+    if (i % (64 * 4096) == 0) most = std::max(most, resident_memory().all);
+  }
   EXPECT_LT(most, limit_bytes);
 }
 

@@ -141,8 +141,9 @@ void compare_hlods(const Scene& scene, const CleanMesh& cleaned, int threads, te
   options.threads = threads;
   const auto compare = [&](const char* kind) {
     const hlod::Hlod hlod = build_hlod(cleaned.mesh, options);
-    const std::uint64_t hash = file_hash(
-        [&](const std::filesystem::path& file) { write_ohlod(file, hlod, cleaned.report, OlodCompression::none); });
+    const std::uint64_t hash = file_hash([&](const std::filesystem::path& file) {
+      write_ohlod(file, hlod, cleaned.report, {.compression = OlodCompression::none});
+    });
     expected.compare(scene.name + kind, hash, std::to_string(threads) + " threads");
   };
   compare(".hlod.shifted");

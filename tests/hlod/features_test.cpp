@@ -151,7 +151,7 @@ class HlodFeatureFile : public testing::TestWithParam<OlodCompression> {
 
 TEST_P(HlodFeatureFile, HasThem) {
   const Hlod hlod = build_hlod(checkered(), options());
-  write_ohlod(path_, hlod, {}, GetParam());
+  write_ohlod(path_, hlod, {}, {.compression = GetParam()});
   for (const Hlod& read : {read_ohlod(path_).hlod, open_ohlod(path_, {.budget_bytes = std::size_t{1} << 20U}).hlod}) {
     EXPECT_TRUE(std::ranges::equal(read.data().features.names, hlod.data().features.names));
     for (NodeId n = 0; n < hlod.node_count(); ++n) {

@@ -48,7 +48,7 @@ class OhlodFixture {
   OhlodFixture& operator=(const OhlodFixture&) = delete;
 
   void write(const std::filesystem::path& path, const Hlod& hlod) const {
-    write_ohlod(path, hlod, report_, compression_);
+    write_ohlod(path, hlod, report_, {.compression = compression_});
   }
   [[nodiscard]] bool is_packed() const { return compression_ != OlodCompression::none; }
 
@@ -185,7 +185,7 @@ TEST_P(OhlodTest, ComesBackByteForByte) {
     EXPECT_EQ(file.hlod.data().node_triangles, 64U);
     EXPECT_TRUE(file.hlod.data().has_colors);
     EXPECT_FALSE(file.hlod.data().has_normals);
-    write_ohlod(folder_ / "again.ohlod", file.hlod, file.report, file.compression);
+    write_ohlod(folder_ / "again.ohlod", file.hlod, file.report, {.compression = file.compression});
     EXPECT_EQ(bytes_of(folder_ / "again.ohlod"), bytes_of(folder_ / "good.ohlod"));
   }
 }
@@ -213,7 +213,7 @@ TEST_P(OhlodTest, SplitsComeBackAndAreNotThereWithoutThem) {
     const OhlodFile file = read_ohlod(folder_ / "refinable.ohlod", access);
     EXPECT_TRUE(file.hlod.has_within(0));
     EXPECT_TRUE(validate(file.hlod).empty());
-    write_ohlod(folder_ / "again.ohlod", file.hlod, file.report, file.compression);
+    write_ohlod(folder_ / "again.ohlod", file.hlod, file.report, {.compression = file.compression});
     EXPECT_EQ(bytes_of(folder_ / "again.ohlod"), refinable);
   }
 }
@@ -376,7 +376,7 @@ TEST_F(PackedOhlodTest, TakesFewerBytes) {
   options.within = hlod::Within::splits;
   const Hlod hlod = build_hlod(mesh_, options);
   for (const OlodCompression compression : {OlodCompression::none, OlodCompression::zstd})
-    write_ohlod(folder_ / std::to_string(static_cast<int>(compression)), hlod, report_, compression);
+    write_ohlod(folder_ / std::to_string(static_cast<int>(compression)), hlod, report_, {.compression = compression});
   EXPECT_LT(3 * std::filesystem::file_size(folder_ / "1"), 2 * std::filesystem::file_size(folder_ / "0"));
 }
 

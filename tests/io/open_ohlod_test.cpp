@@ -34,7 +34,7 @@ class OpenOhlodTest : public ::testing::TestWithParam<OlodCompression> {
     options.within = hlod::Within::splits;
     built_ = build_hlod(test::noisy_sphere(5, 1), options);
     path_ = folder_ / "good.ohlod";
-    write_ohlod(path_, built_, {}, GetParam());
+    write_ohlod(path_, built_, {}, {.compression = GetParam()});
     sections::SectionReader reader(path_, ohlod::file_kind, true);
     const bool is_packed = GetParam() != OlodCompression::none;
     meshes_ = reader.offset_of(is_packed ? ohlod::packed_meshes_name : ohlod::meshes_name);
@@ -177,7 +177,7 @@ TEST_P(OpenOhlodTest, WhatBecomesOfTheFile) {
     fetch_all(file.hlod);
     EXPECT_EQ(file.hlod.store()->stats().resident_nodes, built_.node_count());
   }
-  write_ohlod(path_, built_, {}, GetParam());
+  write_ohlod(path_, built_, {}, {.compression = GetParam()});
   const OhlodFile file = open_ohlod(path_, cache_);
   const NodeId last = static_cast<NodeId>(built_.node_count() - 1);
   std::filesystem::resize_file(path_, meshes_ + places_[last] + 100);

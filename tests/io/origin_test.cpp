@@ -240,7 +240,7 @@ TEST(Origin, HlodsAndTheirFilesKeepIt) {
   options.node_triangles = 32;
   const hlod::Hlod built = hlod::build_hlod(mesh, options);
   for (const OlodCompression compression : {OlodCompression::none, OlodCompression::zstd}) {
-    write_ohlod(folder.path() / "a.ohlod", built, {}, compression);
+    write_ohlod(folder.path() / "a.ohlod", built, {}, {.compression = compression});
     const OhlodFile file = read_ohlod(folder.path() / "a.ohlod");
     EXPECT_EQ(file.version, ohlod::origin_version);
     EXPECT_EQ(file.hlod.data().origin, mesh.origin);

@@ -30,7 +30,7 @@ class RemoteOhlodTest : public ::testing::TestWithParam<OlodCompression> {
     std::string name = std::string("occlod_remote_") + test->name() + ".ohlod";
     std::ranges::replace(name, '/', '_');
     path_ = std::filesystem::path(::testing::TempDir()) / name;
-    write_ohlod(path_, built_, {}, GetParam());
+    write_ohlod(path_, built_, {}, {.compression = GetParam()});
     std::ifstream stream(path_, std::ios::binary);
     content_ = {std::istreambuf_iterator<char>(stream), {}};
   }

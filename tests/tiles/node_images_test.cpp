@@ -8,15 +8,19 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <numeric>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hlod/store/hlod_data.h"
 #include "hlod/store/ohlod.h"
+#include "hlod/tiles/tile_tree.h"
 #include "mesh/image_codec.h"
 #include "occlod/base.h"
 #include "occlod/build_hlod.h"
 #include "occlod/node_store.h"
+#include "occlod/tiles.h"
 #include "support/error_of.h"
 #include "tile_support.h"
 
@@ -75,7 +79,7 @@ std::vector<char> bytes_of(const std::filesystem::path& file) {
 
 class NodeImages : public ::testing::TestWithParam<OlodCompression> {
  protected:
-  NodeImages() { write_ohlod(file_, built(), {}, GetParam(), {}, OhlodImages::nodes); }
+  NodeImages() { write_ohlod(file_, built(), {}, {.compression = GetParam(), .images = OhlodImages::nodes}); }
 
   // Where the image of a node begins in the file.
   [[nodiscard]] std::uint64_t place_of(NodeId n) const {
@@ -140,8 +144,8 @@ TEST_P(NodeImages, ErrorsAreNoLessThanTexels) {
 // A file that was read is written as it was, and the same input gives the same file.
 TEST_P(NodeImages, TheSameBytes) {
   const OhlodFile file = read_ohlod(file_);
-  write_ohlod(folder_ / "again.ohlod", file.hlod, file.report, file.compression);
-  write_ohlod(folder_ / "anew.ohlod", built(), {}, GetParam(), {}, OhlodImages::nodes);
+  write_ohlod(folder_ / "again.ohlod", file.hlod, file.report, {.compression = file.compression});
+  write_ohlod(folder_ / "anew.ohlod", built(), {}, {.compression = GetParam(), .images = OhlodImages::nodes});
   EXPECT_EQ(bytes_of(folder_ / "again.ohlod"), bytes_of(file_));
   EXPECT_EQ(bytes_of(folder_ / "anew.ohlod"), bytes_of(file_));
 }
@@ -188,7 +192,7 @@ TEST_P(NodeImages, DamagedOnesAreToldOnceAndTheirNodesStayAway) {
 TEST(NodeImageTable, MustLieWithinTheImages) {
   Folder folder;
   const std::filesystem::path file = folder / "hills.ohlod";
-  write_ohlod(file, built(), {}, OlodCompression::zstd, {}, OhlodImages::nodes);
+  write_ohlod(file, built(), {}, {.images = OhlodImages::nodes});
   const OhlodFile good = read_ohlod(file);
   hlod::HlodData data = copy_data(good.hlod);
   EXPECT_FALSE(check_structure(view_of(data)));
@@ -210,6 +214,37 @@ TEST(NodeImageTable, IsThereOnRequestAlone) {
   EXPECT_LT(named.version, ohlod_version);
   named.hlod.require(0);
   EXPECT_TRUE(named.hlod.mesh(0).image.empty());
+}
+
+// The progress of images begins at 0 and rises to less than 1, and what it throws leaves no file.
+TEST(NodeImageProgress, RisesAndMayEndIt) {
+  Folder folder;
+  std::vector<double> shares;
+  OhlodOptions options;
+  options.images = OhlodImages::nodes;
+  options.images_progress = [&](double done) { shares.push_back(done); };
+  write_ohlod(folder / "hills.ohlod", built(), {}, options);
+  ASSERT_GT(shares.size(), built().node_count());
+  EXPECT_EQ(shares.front(), 0.0);
+  EXPECT_TRUE(std::ranges::is_sorted(shares));
+  EXPECT_GT(shares.back(), 0.9);
+  EXPECT_LT(shares.back(), 1.0);
+  options.images_progress = [](double done) {
+    if (done > 0.5) throw std::runtime_error("enough");
+  };
+  EXPECT_THROW(write_ohlod(folder / "never.ohlod", built(), {}, options), std::runtime_error);
+  EXPECT_FALSE(std::filesystem::exists(folder / "never.ohlod"));
+}
+
+// Images of nodes are written in another format where that is asked for.
+TEST(NodeImageTiles, MayBeEncodedAnew) {
+  Folder folder;
+  write_ohlod(folder / "hills.ohlod", tiles::test::nested_hlod(hills(), 256), {}, {.images = OhlodImages::nodes});
+  tiles::TilesetOptions options;
+  options.texture_format = tiles::TextureFormat::jpeg;
+  tiles::write_tileset(folder / "tiles", read_ohlod(folder / "hills.ohlod").hlod, options);
+  const TriangleMesh tile = tiles::test::read_content(folder / ("tiles/" + tiles::content_name(0)));
+  EXPECT_EQ(tile.textures.at(0).mime_type, "image/jpeg");
 }
 
 }  // namespace

@@ -2,12 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <functional>
 #include <glm/glm.hpp>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "hlod/store/hlod_data.h"
 #include "hlod/texture/charts.h"
 #include "hlod/texture/pack_shapes.h"
 #include "hlod/texture/source_textures.h"
@@ -15,7 +17,9 @@
 #include "hlod/tiles/tile_mesh.h"
 #include "hlod/tiles/tile_tree.h"
 #include "mesh/image_codec.h"
+#include "occlod/base.h"
 #include "occlod/hlod.h"
+#include "occlod/node_store.h"
 #include "occlod/tiles.h"
 #include "tile_support.h"
 
@@ -300,6 +304,27 @@ TEST(SourceTextures, WhatRepeatsStaysShared) {
   EXPECT_EQ(mapped.shared().at(0).reason, "a material has further maps");
 }
 
+// Under a memory limit the texels of many small images can leave main memory, too: all sizes of all images, 256^2 +
+// 128^2
+// + ... + 1 each, lie in scratch files.
+TEST(SourceTextures, SmallImagesLieInScratchFiles) {
+  TriangleMesh mesh = textured(texture_of(256, 256, own_color));
+  constexpr std::size_t images = 32;
+  for (std::size_t i = 0; i < images; ++i) {
+    mesh.textures.resize(images, mesh.textures[0]);
+    mesh.materials.resize(images);
+    mesh.materials[i].texture = static_cast<TextureId>(i);
+    add_sheet(mesh, 2, {4 * i, 0, 0}, {0, 0}, {1, 1});
+    mesh.triangle_materials.resize(mesh.triangles.size(), static_cast<MaterialId>(i));
+  }
+  const hlod::Hlod hlod = nested_hlod(mesh, 4096);
+  const Folder folder;
+  const MemoryLimit limit(std::size_t{8} << 30U, folder / "");
+  const SourceTextures sources = sources_of(hlod);
+  ASSERT_EQ(sources.images().size(), images);
+  EXPECT_GE(limit.max_scratch_bytes(), images * 87'381 * sizeof(glm::u8vec4));
+}
+
 // A chart may lie across the edge of an image that repeats: it shows what lies there.
 TEST(TileImage, ChartsMayCrossTheEdgeOfAnImage) {
   TriangleMesh mesh = textured(texture_of(128, 128, own_color));
@@ -351,6 +376,51 @@ TEST(WriteTileset, ImagesOfTiles) {
   EXPECT_GT(counts.tiles, hlod.node_count());
   EXPECT_GT(counts.texels, leaf_texels + other_texels);
   EXPECT_LT(static_cast<double>(counts.texels), 1.5 * static_cast<double>(leaf_texels));
+}
+
+// A tileset of a file whose nodes have images needs none of the input: its finest tiles have those of their nodes, byte
+// for byte, and tiles show at their vertices what the input shows there, as far as their texels can: red grows by one
+// every two texels along x, green along y.
+TEST(WriteTileset, TakesImagesOfNodes) {
+  TriangleMesh mesh = textured(texture_of(512, 512, [](int x, int y) { return glm::u8vec4(x / 2, y / 2, 40, 255); }));
+  add_sheet(mesh, 64, {0, 0, 0}, {0.02F, 0.02F}, {0.98F, 0.98F});
+  for (glm::vec3& p : mesh.positions) p.z = 9.0F * std::sin(0.3F * p.x) * std::cos(0.2F * p.y);
+  const Folder folder;
+  write_ohlod(folder / "sheet.ohlod", nested_hlod(mesh, 512), {}, {.images = OhlodImages::nodes});
+  const hlod::Hlod whole = read_ohlod(folder / "sheet.ohlod").hlod;
+  whole.require_all();
+  hlod::HlodData data = hlod::copy_data(whole);
+  data.textures[0].bytes.clear();
+  data.textures[0].file = "gone.png";
+  const hlod::Hlod hlod = hlod::make_hlod(std::move(data));
+  const TilesetCounts counts = write_tileset(folder / "tiles", hlod, {});
+  EXPECT_TRUE(counts.images_left_out.empty());
+  EXPECT_TRUE(counts.images_shared.empty());
+  EXPECT_GT(counts.tiles, hlod.node_count());  // some have coarser images, too
+  constexpr double source_texel = 64.0 / (0.96 * 512.0);
+  std::uint64_t texels = 0, tiles = 0;
+  for (hlod::NodeId n = 0; n < hlod.node_count(); ++n)
+    for (std::size_t coarser = 0; std::filesystem::exists(folder / ("tiles/" + content_name(n, coarser))); ++coarser) {
+      ++tiles;
+      const TriangleMesh tile = test::read_content(folder / ("tiles/" + content_name(n, coarser)));
+      ASSERT_EQ(tile.textures.size(), 1U);
+      EXPECT_EQ(std::ranges::equal(tile.textures[0].bytes, hlod.mesh(n).image), coarser == 0) << n;
+      const Texels image = decode_texels(tile.textures[0].bytes, "image");
+      texels += image.pixels.size();
+      const double texel = std::max<double>(hlod.data().node_images[n].texel_size, source_texel) *
+                           std::pow(2.5, static_cast<double>(coarser));
+      const double most = 2.5 + 0.75 * texel / source_texel;  // one and a half texels
+      for (const Triangle& t : tile.triangles)
+        for (int k = 0; k < 3; ++k) {
+          const glm::ivec2 at(glm::dvec2(tile.texture_coordinates[t[k]]) * glm::dvec2(image.width, image.height));
+          const glm::u8vec4 shown = image.pixels[static_cast<std::size_t>(at.y * image.width + at.x)];
+          const glm::dvec2 place = 0.02 + 0.96 * glm::dvec2(tile.positions[t[k]]) / 64.0;
+          EXPECT_NEAR(shown.r, 256.0 * place.x, most) << n << " " << coarser;
+          EXPECT_NEAR(shown.g, 256.0 * place.y, most) << n << " " << coarser;
+        }
+    }
+  EXPECT_EQ(tiles, counts.tiles);
+  EXPECT_EQ(texels, counts.texels);
 }
 
 TEST(WriteTileset, JpegWhereAllIsOpaque) {

@@ -128,13 +128,13 @@ Summary summary_of(const hlod::HlodView& view) {
 }  // namespace
 
 void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report,
-                 OlodCompression compression, const std::filesystem::path& image_folder, OhlodImages images,
-                 int threads) {
+                 const OhlodOptions& options) {
+  const unsigned threads = thread_count(options.threads);
   hlod.require_all();
   hlod::HlodView view = hlod.data();
   hlod::OwnImages own;
-  if (images == OhlodImages::nodes && view.node_images.empty() && view.within.empty())
-    own = make_own_images(hlod, image_folder, thread_count(threads));
+  if (options.images == OhlodImages::nodes && view.node_images.empty() && view.within.empty())
+    own = make_own_images(hlod, options.image_folder, threads, options.images_progress);
   if (!own.table.empty()) {
     view.nodes = own.nodes;
     view.node_images = own.table;
@@ -142,13 +142,13 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
     view.image_materials = own.materials;
   }
   const std::size_t nodes = view.nodes.size();
-  const bool is_packed = compression == OlodCompression::zstd;
+  const bool is_packed = options.compression == OlodCompression::zstd;
   SectionWriter writer;
   const auto add_tables = [&](std::string_view name, const auto& array, bool has_parts) {
     if (!has_parts) writer.add(name, array, Check::whole, codec_of_tables(is_packed, array));
   };
   for_each_array(view, add_tables);
-  NodeSections meshes(writer, digests_name, thread_count(threads));
+  NodeSections meshes(writer, digests_name, threads);
   if (is_packed)
     meshes.add_packed(packed_meshes_name, mesh_places_name, nodes,
                       [&](NodePacker& packer, hlod::NodeId n, auto& to) { packer.pack_mesh(view, n, to); });
@@ -158,7 +158,7 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
   writer.add(summary_name, std::span<const Summary>(&summary, 1));
   if (view.lattice_step > 0.0F) writer.add(lattice_name, std::span<const float>(&view.lattice_step, 1));
   writer.add_report(report);
-  NodeSections splits(writer, splits_digests_name, thread_count(threads));
+  NodeSections splits(writer, splits_digests_name, threads);
   if (!view.within.empty()) {
     for_each_within_array(view, add_tables);
     if (is_packed)
@@ -173,7 +173,7 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
     writer.add(images_name, view.images, Check::parts);
   }
   MaterialSections materials;
-  if (needs_wedges(view) || view.up != UpAxis::z) materials.add(view, writer, {image_folder, folder_of(path)});
+  if (needs_wedges(view) || view.up != UpAxis::z) materials.add(view, writer, {options.image_folder, folder_of(path)});
   hlod::FeatureSections features;
   features.add(view.features, writer);
   FileKind kind = file_kind;

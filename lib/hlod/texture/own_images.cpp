@@ -43,7 +43,7 @@ class PartMaker {
     Part part;
     if (hlod_.node(n).triangles == 0) return part;
     TriangleMesh mesh = textured_mesh(hlod_, n);
-    const double mean = tiles::mean_texel_size(mesh, sources_);
+    const double mean = tiles::shown_texels(mesh, sources_).mean_size;
     const tiles::TileImage image =
         make_tile_image(mesh, sources_, texel_size_of(hlod_.node(n), hlod_.node(n).error, mean));
     if (image.width == 0) return part;
@@ -76,11 +76,17 @@ double texel_size_of(const Node& node, double error, double mean) {
   return std::max(error, least);
 }
 
-OwnImages make_own_images(const Hlod& hlod, const std::filesystem::path& image_folder, unsigned threads) {
+OwnImages make_own_images(const Hlod& hlod, const std::filesystem::path& image_folder, unsigned threads,
+                          const std::function<void(double)>& progress) {
   OwnImages images;
-  const tiles::SourceTextures sources(hlod, image_folder, threads, [] {});
-  if (sources.images().empty()) return images;
   const HlodView& view = hlod.data();
+  std::size_t done = 0;
+  const std::size_t steps = hlod.node_count() + 2 * std::size_t{view.levels[0].node_count};
+  const auto step = [&] {
+    if (progress) progress(static_cast<double>(done++) / static_cast<double>(steps));
+  };
+  const tiles::SourceTextures sources(hlod, image_folder, threads, step);
+  if (sources.images().empty()) return images;
   images.table.resize(hlod.node_count());
   const PartMaker maker(hlod, sources);
   std::vector<Part> parts(std::min<std::size_t>(hlod.node_count(), std::size_t{8} * threads));
@@ -88,6 +94,7 @@ OwnImages make_own_images(const Hlod& hlod, const std::filesystem::path& image_f
     const std::size_t count = std::min(parts.size(), hlod.node_count() - first);
     for_each_task(count, threads, [&](std::size_t i) { parts[i] = maker.made(first + static_cast<NodeId>(i)); });
     for (std::size_t i = 0; i < count; ++i) {
+      step();
       make_room();
       images.table[first + i] = {images.bytes.size(), sections::checksum_of(parts[i].bytes),
                                  static_cast<std::uint32_t>(parts[i].bytes.size()),

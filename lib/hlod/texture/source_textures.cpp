@@ -75,13 +75,18 @@ glm::dvec2 from_top(const glm::vec2& coordinates, TextureOrigin origin) {
   return {coordinates.x, origin == TextureOrigin::top_left ? v : 1.0 - v};
 }
 
-// Returns the next smaller size. Texels that nothing shows count where nothing is shown at all.
-ImageLevel half_of(const ImageLevel& level, unsigned threads) {
-  ImageLevel half{(level.width + 1) / 2, (level.height + 1) / 2, {}, {}};
-  const std::size_t count = static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height);
-  half.pixels.resize(count);
-  half.coverage.resize(count);
+// Returns the size of an image and of all smaller ones of it, without their texels.
+std::vector<ImageLevel> sizes_of(ImageSize size) {
+  std::vector<ImageLevel> levels{{size.width, size.height, {}, {}}};
+  while (levels.back().width > 1 || levels.back().height > 1)
+    levels.push_back({(levels.back().width + 1) / 2, (levels.back().height + 1) / 2, {}, {}});
+  return levels;
+}
+
+// Fills the next smaller size. Texels that nothing shows count where nothing is shown at all.
+void halve(const ImageLevel& level, const ImageLevel& half, unsigned threads) {
   for_each_task(static_cast<std::size_t>(half.height), threads, [&](std::size_t row) {
+    make_room();
     const auto y = static_cast<std::int64_t>(row);
     for (std::int64_t x = 0; x < half.width; ++x) {
       TexelMean shown, all;
@@ -97,7 +102,6 @@ ImageLevel half_of(const ImageLevel& level, unsigned threads) {
       half.coverage[half.at(x, y)] = static_cast<std::uint8_t>((coverage + 3) / 4);
     }
   });
-  return half;
 }
 
 }  // namespace
@@ -121,9 +125,7 @@ class SourceTextures::Planner {
     if (result_.images_.empty()) return;
     read_images();
     for_each_leaf([this](const hlod::NodeMesh& mesh) { cover(mesh); });
-    for (SourceImage& image : result_.images_)
-      while (image.levels.back().width > 1 || image.levels.back().height > 1)
-        image.levels.push_back(half_of(image.levels.back(), threads_));
+    for (std::uint32_t i = 0; i < result_.images_.size(); ++i) result_.fill_coarser(i, threads_);
   }
 
  private:
@@ -223,40 +225,33 @@ class SourceTextures::Planner {
       }
       plan.number = static_cast<std::uint32_t>(result_.images_.size());
       const Texture& texture = view_.textures[plan.texture];
-      result_.images_.push_back({texture.wrap_s, texture.wrap_t, false, {}});
+      result_.images_.push_back({texture.wrap_s, texture.wrap_t, false, sizes_of(plan.size)});
     }
     for (std::uint32_t& image : result_.image_of_)
       if (image != no_id) image = plans_[image].number;
   }
 
   void read_images() {
+    result_.make_space();
     for (const Plan& plan : plans_) {
       if (plan.number == no_id) continue;
       const auto bytes = find_image(view_.textures[plan.texture], folder_);
-      if (!bytes) throw Error({plan.name, "", "has gone while it was read", "put it back"});
-      Texels texels = decode_texels(*bytes, plan.name);
+      const auto has_changed = [&] {
+        throw Error({plan.name, "", "has changed or gone while it was read", "leave it alone meanwhile"});
+      };
+      if (!bytes) has_changed();
+      const Texels texels = decode_texels(*bytes, plan.name);
+      if (texels.width != plan.size.width || texels.height != plan.size.height) has_changed();
       result_.images_[plan.number].is_jpeg = image_type(*bytes) == "image/jpeg";
-      ImageLevel& level = result_.images_[plan.number].levels.emplace_back();
-      level = {texels.width, texels.height, std::move(texels.pixels), {}};
-      level.coverage.resize(level.pixels.size());
-      for_each_range(level.coverage.size(), threads_, [&](std::size_t begin, std::size_t end) {
-        std::fill(level.coverage.begin() + static_cast<std::ptrdiff_t>(begin),
-                  level.coverage.begin() + static_cast<std::ptrdiff_t>(end), std::uint8_t{0});
-      });
+      result_.fill(plan.number, texels, threads_);
     }
   }
 
   void cover(const hlod::NodeMesh& mesh) {
-    for (const Triangle& t : triangles_of(mesh)) {
-      const std::uint32_t image = image_of(mesh, t.x);
-      if (image == no_id) continue;
-      SourceImage& source = result_.images_[image];
-      ImageLevel& level = source.levels[0];
-      const auto at = [&](VertexId v) { return result_.texels(image, mesh.texture_coordinates[v]); };
-      for_each_centered_row(at(t.x), at(t.y), at(t.z), [&](std::int64_t y, std::int64_t x0, std::int64_t x1) {
-        for (std::int64_t x = x0; x < x1; ++x) level.coverage[source.at(level, x, y)] = 255;
-      });
-    }
+    for (const Triangle& t : triangles_of(mesh))
+      if (const std::uint32_t image = image_of(mesh, t.x); image != no_id)
+        result_.cover(image, mesh.texture_coordinates[t.x], mesh.texture_coordinates[t.y],
+                      mesh.texture_coordinates[t.z]);
   }
 
   SourceTextures& result_;
@@ -271,6 +266,59 @@ class SourceTextures::Planner {
 SourceTextures::SourceTextures(const hlod::Hlod& hlod, const std::filesystem::path& image_folder, unsigned threads,
                                const std::function<void()>& next) {
   Planner(*this, hlod, image_folder, threads, next).run();
+}
+
+SourceTextures::SourceTextures(ImageSize image, std::span<const std::uint8_t> is_shown_by, TextureOrigin origin)
+    : origin_(origin), images_{{TextureWrap::clamp, TextureWrap::clamp, false, sizes_of(image)}} {
+  for (const std::uint8_t is_shown : is_shown_by) image_of_.push_back(is_shown != 0 ? 0 : no_id);
+}
+
+void SourceTextures::show(const Texels& texels, const TriangleMesh& mesh) {
+  make_space();
+  fill(0, texels, 1);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto at = [&](int k) { return mesh.texture_coordinates[mesh.triangles[t][k]]; };
+    if (image_of(mesh.material_of(t)) == 0) cover(0, at(0), at(1), at(2));
+  }
+  fill_coarser(0, 1);
+}
+
+void SourceTextures::make_space() {
+  std::size_t all = 0;
+  for (const SourceImage& image : images_)
+    for (const ImageLevel& level : image.levels) all += level.count();
+  pixels_.resize(all);
+  coverage_.resize(all);
+  std::size_t first = 0;
+  for (SourceImage& image : images_)
+    for (ImageLevel& level : image.levels) {
+      level.pixels = std::span(pixels_).subspan(first, level.count());
+      level.coverage = std::span(coverage_).subspan(first, level.count());
+      first += level.count();
+    }
+}
+
+void SourceTextures::fill(std::uint32_t image, const Texels& texels, unsigned threads) {
+  const ImageLevel& finest = images_[image].levels[0];
+  for_each_range(finest.count(), threads, [&](std::size_t begin, std::size_t end) {
+    make_room();
+    std::ranges::copy(std::span(texels.pixels).subspan(begin, end - begin), finest.pixels.subspan(begin).begin());
+    std::ranges::fill(finest.coverage.subspan(begin, end - begin), std::uint8_t{0});
+  });
+}
+
+void SourceTextures::cover(std::uint32_t image, const glm::vec2& a, const glm::vec2& b, const glm::vec2& c) {
+  const SourceImage& source = images_[image];
+  const ImageLevel& level = source.levels[0];
+  for_each_centered_row(texels(image, a), texels(image, b), texels(image, c),
+                        [&](std::int64_t y, std::int64_t x0, std::int64_t x1) {
+                          for (std::int64_t x = x0; x < x1; ++x) level.coverage[source.at(level, x, y)] = 255;
+                        });
+}
+
+void SourceTextures::fill_coarser(std::uint32_t image, unsigned threads) {
+  const std::vector<ImageLevel>& levels = images_[image].levels;
+  for (std::size_t k = 1; k < levels.size(); ++k) halve(levels[k - 1], levels[k], threads);
 }
 
 glm::dvec2 SourceTextures::texels(std::uint32_t image, const glm::vec2& coordinates) const noexcept {

@@ -7,11 +7,13 @@
 #include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/memory.h"
 #include "hlod/texture/charts.h"
+#include "mesh/image_codec.h"
 #include "occlod/base.h"
 #include "occlod/hlod.h"
 #include "occlod/mesh.h"
@@ -25,9 +27,12 @@ inline constexpr int gutter = 2;
 // An image at one size. Texel (x, y) of size k stands for those of size k - 1 from (2 x, 2 y) on.
 struct ImageLevel {
   int width = 0, height = 0;
-  UninitializedVector<glm::u8vec4> pixels;     // sRGB and alpha, rows from the top
-  UninitializedVector<std::uint8_t> coverage;  // how much of it lies in triangles of level 0, of 255; 0: nothing
+  std::span<glm::u8vec4> pixels;     // sRGB and alpha, rows from the top
+  std::span<std::uint8_t> coverage;  // how much of it lies in triangles of level 0, of 255; 0: nothing
 
+  [[nodiscard]] std::size_t count() const noexcept {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
   [[nodiscard]] std::size_t at(std::int64_t x, std::int64_t y) const noexcept {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
   }
@@ -43,17 +48,29 @@ struct SourceImage {
   [[nodiscard]] std::size_t at(const ImageLevel& level, std::int64_t x, std::int64_t y) const noexcept;
 };
 
-// Decodes each image once. Pixels lie in large memory (base/memory.h), 7 bytes for each of the finest.
+// Decodes each image once. The pixels of all lie in one piece of large memory (base/memory.h), 7 bytes for each of the
+// finest: so they leave main memory under a MemoryLimit, however small each image is.
 class SourceTextures {
  public:
   // Divides no image.
   SourceTextures() = default;
+  SourceTextures(SourceTextures&&) = default;
+  SourceTextures& operator=(SourceTextures&&) = default;
+  SourceTextures(const SourceTextures&) = delete;
+  SourceTextures& operator=(const SourceTextures&) = delete;
+  ~SourceTextures() = default;
   // Finds the images that can be divided, from what all nodes of level 0 show of them, and reads them from
   // `image_folder`. Images stay shared where all charts together would take more than twice their texels (bricks that
   // many walls show) and where materials have further maps. Calls `next` before each node of level 0, twice. Throws
   // Error for damaged files. O(texels + n log n).
   SourceTextures(const hlod::Hlod& hlod, const std::filesystem::path& image_folder, unsigned threads,
                  const std::function<void()>& next);
+
+  // Has the image of a node for its only one, without pixels before show(). Materials that `is_shown_by` marks show it,
+  // and texture coordinates of meshes lead to it.
+  SourceTextures(ImageSize image, std::span<const std::uint8_t> is_shown_by, TextureOrigin origin);
+  // Gives that image its pixels; `mesh` is that of the node. O(texels).
+  void show(const Texels& texels, const TriangleMesh& mesh);
 
   // Returns the number of the image that a material shows, divided among tiles; no_id for any other.
   [[nodiscard]] std::uint32_t image_of(MaterialId material) const noexcept {
@@ -74,10 +91,21 @@ class SourceTextures {
  private:
   class Planner;
 
+  // Gives all sizes of all images their places.
+  void make_space();
+  // Fills the finest size of an image, and marks none of it as shown.
+  void fill(std::uint32_t image, const Texels& texels, unsigned threads);
+  // Marks the texels that a triangle with these texture coordinates shows.
+  void cover(std::uint32_t image, const glm::vec2& a, const glm::vec2& b, const glm::vec2& c);
+  // Fills the coarser sizes of an image.
+  void fill_coarser(std::uint32_t image, unsigned threads);
+
   TextureOrigin origin_ = TextureOrigin::top_left;
   std::vector<std::uint32_t> image_of_;  // by material
   std::vector<SourceImage> images_;
   std::vector<SharedImage> shared_;
+  UninitializedVector<glm::u8vec4> pixels_;     // of all images, each with all its sizes
+  UninitializedVector<std::uint8_t> coverage_;  // likewise
 };
 
 // Returns linear light of an sRGB value, and the reverse.

@@ -120,7 +120,7 @@ class TileImageMaker {
   // A mask over squares, some of each texel of a chart's part of the image.
   struct Mask {
     glm::i64vec2 size;
-    std::vector<std::uint8_t> is_touched;
+    LargeVector<std::uint8_t> is_touched;
 
     [[nodiscard]] std::uint8_t& at(std::int64_t x, std::int64_t y) {
       return is_touched[static_cast<std::size_t>(y * size.x + x)];
@@ -318,19 +318,20 @@ class TileImageMaker {
   std::vector<glm::dvec2> texels_;     // per vertex, in its image
   std::vector<Placed> charts_;
   glm::ivec2 size_{0};
-  std::vector<glm::u8vec4> pixels_;
-  std::vector<State> state_;  // per pixel
+  LargeVector<glm::u8vec4> pixels_;
+  LargeVector<State> state_;  // per pixel
 };
 
 }  // namespace
 
-double mean_texel_size(const TriangleMesh& mesh, const SourceTextures& sources) {
+ShownTexels shown_texels(const TriangleMesh& mesh, const SourceTextures& sources) {
   double area = 0.0, texels = 0.0;
-  for (const Chart& chart : TileImageMaker(mesh, sources).charts()) {
+  const std::vector<Chart> charts = TileImageMaker(mesh, sources).charts();
+  for (const Chart& chart : charts) {
     area += chart.area;
     texels += chart.texels;
   }
-  return texels > 0.0 ? std::sqrt(area / texels) : 0.0;
+  return {texels > 0.0 ? std::sqrt(area / texels) : 0.0, charts.size()};
 }
 
 TileImage make_tile_image(TriangleMesh& mesh, const SourceTextures& sources, double texel_size) {

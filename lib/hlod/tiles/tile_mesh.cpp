@@ -260,6 +260,15 @@ std::vector<FeatureId> take_features(TriangleMesh& mesh, std::span<const hlod::F
   return features;
 }
 
+// Replaces the texture coordinates of vertices that show the node's own image by their places in it.
+void lead_to_own_image(std::vector<glm::vec2>& coordinates, const hlod::HlodView& view, const hlod::NodeMesh& node) {
+  for (std::size_t v = 0; v < coordinates.size(); ++v) {
+    if (view.image_materials[node.materials.empty() ? MaterialId{0} : node.materials[v]] == 0) continue;
+    const glm::vec2 place = glm::vec2(node.image_coordinates[v]) / 65535.0F;
+    coordinates[v] = {place.x, view.texture_origin == TextureOrigin::top_left ? place.y : 1.0F - place.y};
+  }
+}
+
 // Drops triangles with two corners at one place.
 void drop_flat_triangles(TriangleMesh& mesh) {
   std::size_t kept = 0;
@@ -289,6 +298,7 @@ TileMesh tile_mesh(const hlod::Hlod& hlod, hlod::NodeId n, const BorderVertices&
   mesh.normals.assign(node.normals.begin(), node.normals.end());
   mesh.colors.assign(node.colors.begin(), node.colors.end());
   mesh.texture_coordinates.assign(node.texture_coordinates.begin(), node.texture_coordinates.end());
+  if (!node.image.empty()) lead_to_own_image(mesh.texture_coordinates, hlod.data(), node);
   mesh.triangles = triangles_of(node);
   mesh.materials.resize(hlod.data().materials.size());
   std::vector<FeatureId> features = take_features(mesh, hlod.features(n));

@@ -82,7 +82,8 @@ struct TileMesh {
 
 [[nodiscard]] std::vector<Triangle> triangles_of(const hlod::NodeMesh& mesh);
 
-// Returns the mesh of node n, which has been required, with normals. If the node has none, they are those of
+// Returns the mesh of node n, which has been required, with normals. Its texture coordinates lead to the image that the
+// node has in the HLOD, where it has one. If the node has none, they are those of
 // crease_normals() at crease_deg, joined with those of other nodes at borders, and triangles with two corners at one
 // place are left out. Its materials are as many as those of the HLOD, but empty. Vertices are parted by feature, too,
 // and features have no names.

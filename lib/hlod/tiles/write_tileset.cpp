@@ -14,6 +14,7 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -31,6 +32,7 @@
 #include "hlod/tiles/tile_mesh.h"
 #include "hlod/tiles/tile_tree.h"
 #include "hlod/tiles/tileset_files.h"
+#include "mesh/image_codec.h"
 #include "mesh/image_files.h"
 #include "occlod/base.h"
 #include "occlod/hlod.h"
@@ -41,11 +43,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Returns, by material, whether tiles show it by images of their own: those that the nodes have, or those that are
+// divided among tiles.
+std::vector<std::uint8_t> own_materials(const hlod::HlodView& hlod, const SourceTextures& sources) {
+  std::vector<std::uint8_t> is_own(hlod.image_materials.begin(), hlod.image_materials.end());
+  is_own.resize(hlod.materials.size(), 0);
+  for (std::size_t m = 0; m < is_own.size(); ++m)
+    if (sources.image_of(static_cast<MaterialId>(m)) != no_id) is_own[m] = 1;
+  return is_own;
+}
+
 // Returns, by texture, whether a material shows it that shows no image of the tile's own.
-std::vector<std::uint8_t> shared_textures(const hlod::HlodView& hlod, const SourceTextures& sources) {
+std::vector<std::uint8_t> shared_textures(const hlod::HlodView& hlod, std::span<const std::uint8_t> is_own) {
   std::vector<std::uint8_t> is_shared(hlod.textures.size(), 0);
   for (std::size_t m = 0; m < hlod.materials.size(); ++m) {
-    if (sources.image_of(static_cast<MaterialId>(m)) != no_id) continue;
+    if (is_own[m] != 0) continue;
     for (const TextureId id : hlod.materials[m].textures())
       if (id != no_texture) is_shared[id] = 1;
   }
@@ -55,11 +67,12 @@ std::vector<std::uint8_t> shared_textures(const hlod::HlodView& hlod, const Sour
 // Writes each image once, in the folder textures/, for all contents to share, but those that are divided among them.
 // Leaves out images that are missing or in a format that glTF lacks, whatever their names, and names them in
 // `left_out`. File names are relative to `image_folder`. O(bytes).
-[[nodiscard]] TileLook write_images(TilesetFiles& files, const hlod::HlodView& hlod, const SourceTextures& sources,
-                                    const fs::path& image_folder, std::vector<std::string>& left_out) {
+[[nodiscard]] TileLook write_images(TilesetFiles& files, const hlod::HlodView& hlod,
+                                    std::span<const std::uint8_t> is_own, const fs::path& image_folder,
+                                    std::vector<std::string>& left_out) {
   TileLook look{hlod.materials, hlod.textures, {}, hlod.texture_origin, hlod.features.names};
   std::map<std::string, std::string> written;  // from file names to URIs
-  const std::vector<std::uint8_t> is_shared = shared_textures(hlod, sources);
+  const std::vector<std::uint8_t> is_shared = shared_textures(hlod, is_own);
   for (const Texture& texture : hlod.textures) {
     std::string& uri = look.images.emplace_back();
     if (is_shared[look.images.size() - 1] == 0) continue;
@@ -278,15 +291,18 @@ class TilesetWriter {
     format_ = {options.compression, options.quantise_bits.value_or(usual_bits)};
     needs_borders_ = !hlod.data().has_normals || options.skirts;
     const std::size_t leaves = hlod.data().levels[0].node_count;
-    steps_ = hlod.node_count() + (needs_borders_ ? leaves : 0) + (hlod.data().textures.empty() ? 0 : 2 * leaves);
+    has_node_images_ = !hlod.data().node_images.empty();
+    const bool divides_images = !has_node_images_ && !hlod.data().textures.empty();
+    steps_ = hlod.node_count() + (needs_borders_ ? leaves : 0) + (divides_images ? 2 * leaves : 0);
     threads_ = thread_count(options.threads);
   }
 
   TilesetCounts run() && {
     if (needs_borders_) borders_ = BorderVertices(hlod_, [this] { step(); });
-    sources_ = SourceTextures(hlod_, options_.image_folder, threads_, [this] { step(); });
+    if (!has_node_images_) sources_ = SourceTextures(hlod_, options_.image_folder, threads_, [this] { step(); });
     count_sources();
-    look_ = write_images(*files_, hlod_.data(), sources_, options_.image_folder, counts_.images_left_out);
+    look_ = write_images(*files_, hlod_.data(), own_materials(hlod_.data(), sources_), options_.image_folder,
+                         counts_.images_left_out);
     std::vector<WrittenTile> tiles(std::min<std::size_t>(hlod_.node_count(), std::size_t{8} * threads_));
     for (std::size_t first = 0; first < hlod_.node_count(); first += tiles.size()) {
       const std::size_t count = std::min(tiles.size(), hlod_.node_count() - first);
@@ -330,6 +346,15 @@ class TilesetWriter {
     counts_.images_shared = sources_.shared();
     for (const SourceImage& image : sources_.images()) counts_.source_texels += image.levels[0].pixels.size();
     texture_format_ = options_.texture_format.value_or(sources_.usual_format());
+    if (!has_node_images_) return;
+    const hlod::HlodView& view = hlod_.data();
+    for (std::size_t t = 0; t < view.textures.size(); ++t)
+      for (std::size_t m = 0; m < view.materials.size(); ++m)
+        if (view.materials[m].texture == t && view.image_materials[m] == 0) {
+          counts_.images_shared.push_back(
+              {name_of_image(view.textures, static_cast<TextureId>(t)), "nodes of the .ohlod file do not have it"});
+          break;
+        }
   }
 
   // Any number of threads may call this.
@@ -339,45 +364,102 @@ class TilesetWriter {
     hlod_.require(n);
     TileMesh tile = tile_mesh(hlod_, n, borders_);
     if (tile.mesh.triangles.empty()) return made;
-    const double mean = sources_.images().empty() ? 0.0 : mean_texel_size(tile.mesh, sources_);
+    if (has_node_images_) {
+      add_with_image_of_node(n, std::move(tile), made);
+      return made;
+    }
+    const double mean = sources_.images().empty() ? 0.0 : shown_texels(tile.mesh, sources_).mean_size;
     if (mean == 0.0) {
       add_content(n, std::move(tile), 0.0, made);
       return made;
     }
     const double texel_size = hlod::texel_size_of(hlod_.node(n), hlod_.node(n).guaranteed_error, mean);
-    add_content(n, tile, texel_size, made);
-    const hlod::NodeId parent = parent_of(hlod_, n);
-    if (parent == no_id) return made;
-    constexpr double by = hlod::coarser_by, fewer = by * by;
-    double coarser = by * std::max(texel_size, mean);
-    double texels = static_cast<double>(made.counts.texels) / fewer;
-    for (; texels >= least_texels && coarser * std::numbers::sqrt2 < hlod_.node(parent).guaranteed_error;
-         coarser *= by, texels /= fewer)
-      add_content(n, tile, coarser, made);
+    add_with_new_image(n, tile, sources_, texel_size, texture_format_, made);
+    const auto texels = static_cast<double>(made.counts.texels);
+    for (const double coarser : coarser_sizes(n, std::max(texel_size, mean), texels))
+      add_with_new_image(n, tile, sources_, coarser, texture_format_, made);
     return made;
   }
 
-  // Adds a tile of the node, with texels of that size.
+  // Returns the sizes of texels of the node's coarser images, whose finest one has so many of such a size.
+  [[nodiscard]] std::vector<double> coarser_sizes(hlod::NodeId n, double size, double texels) const {
+    const hlod::NodeId parent = parent_of(hlod_, n);
+    constexpr double by = hlod::coarser_by, fewer = by * by;
+    std::vector<double> sizes;
+    for (;;) {
+      size *= by;
+      texels /= fewer;
+      if (parent == no_id || texels < least_texels || size * std::numbers::sqrt2 >= hlod_.node(parent).guaranteed_error)
+        return sizes;
+      sizes.push_back(size);
+    }
+  }
+
+  // Adds the tiles of a node that may have an image in the HLOD: they need no image of the input.
+  void add_with_image_of_node(hlod::NodeId n, TileMesh tile, WrittenTile& made) const {
+    const hlod::HlodView& view = hlod_.data();
+    const std::span<const std::uint8_t> image = hlod_.mesh(n).image;
+    if (image.empty()) return add_content(n, std::move(tile), 0.0, made);
+    const std::string name = fmt::format("image of node {}", n);
+    const ImageSize size = size_of_image(image, name);
+    const double texels = static_cast<double>(size.width) * size.height, texel_size = view.node_images[n].texel_size;
+    SourceTextures source(size, view.image_materials, view.texture_origin);
+    const ShownTexels shown = shown_texels(tile.mesh, source);
+    made.counts.texels += static_cast<std::uint64_t>(texels);
+    made.counts.charts += shown.charts;
+    TileMesh finest = tile;
+    finest.image.bytes = in_format(image, name);
+    finest.image.is_shown_by.assign(view.image_materials.begin(), view.image_materials.end());
+    made.counts.texture_bytes += finest.image.bytes.size();
+    add_content(n, std::move(finest), texel_size, made);
+    const std::vector<double> sizes = coarser_sizes(n, std::max(texel_size, shown.mean_size), texels);
+    if (sizes.empty() || shown.mean_size == 0.0) return;
+    source.show(decode_texels(image, name), tile.mesh);
+    const TextureFormat format = options_.texture_format.value_or(format_of(image));
+    for (const double coarser : sizes) add_with_new_image(n, tile, source, coarser, format, made);
+  }
+
+  // Returns an encoded image in the format that is asked for, if it is not that.
+  [[nodiscard]] std::vector<std::uint8_t> in_format(std::span<const std::uint8_t> image,
+                                                    const std::string& name) const {
+    const TextureFormat is = format_of(image);
+    if (options_.texture_format.value_or(is) == is) return {image.begin(), image.end()};
+    const Texels texels = decode_texels(image, name);
+    TileImage again;
+    again.width = texels.width;
+    again.height = texels.height;
+    again.pixels.assign(texels.pixels.begin(), texels.pixels.end());
+    again.is_free.resize(again.pixels.size(), 0);
+    return encode(std::move(again), *options_.texture_format);
+  }
+
+  [[nodiscard]] static TextureFormat format_of(std::span<const std::uint8_t> image) {
+    return image_type(image) == "image/jpeg" ? TextureFormat::jpeg : TextureFormat::png;
+  }
+
+  // Adds a tile of the node with an image of what it shows, with texels of that size.
+  void add_with_new_image(hlod::NodeId n, TileMesh tile, const SourceTextures& sources, double texel_size,
+                          TextureFormat format, WrittenTile& made) const {
+    TileImage image = make_tile_image(tile.mesh, sources, texel_size);
+    const double largest = image.texel_size;
+    if (image.width > 0) {
+      made.counts.texels += image.pixels.size();
+      made.counts.charts += image.charts;
+      tile.image.is_shown_by = std::move(image.is_of_tile);
+      tile.image.bytes = encode(std::move(image), format);
+      made.counts.texture_bytes += tile.image.bytes.size();
+    }
+    add_content(n, std::move(tile), largest, made);
+  }
+
+  // Adds a tile of the node; `texel_size` is that of the largest texel that is larger than its source's.
   void add_content(hlod::NodeId n, TileMesh tile, double texel_size, WrittenTile& made) const {
-    made.texel_sizes.push_back(give_image(tile, texel_size, made.counts));
+    made.texel_sizes.push_back(texel_size);
     const hlod::NodeId parent = parent_of(hlod_, n);
     if (options_.skirts && parent != no_id) add_skirts(tile, hlod_.node(parent).guaranteed_error, borders_);
     made.contents.push_back(encode_tile(tile, look_, format_, errors_));
     made.counts.triangles += tile.mesh.triangles.size() - tile.skirt_triangles;
     made.counts.skirt_triangles += tile.skirt_triangles;
-  }
-
-  // Gives a tile an image if it shows one that is divided. Returns the size of the largest texel that is larger than
-  // its source's.
-  double give_image(TileMesh& tile, double texel_size, TilesetCounts& counts) const {
-    TileImage image = make_tile_image(tile.mesh, sources_, texel_size);
-    if (image.width == 0) return 0.0;
-    counts.texels += image.pixels.size();
-    counts.charts += image.charts;
-    tile.image.bytes = encode(image, texture_format_);
-    tile.image.is_shown_by = std::move(image.is_of_tile);
-    counts.texture_bytes += tile.image.bytes.size();
-    return image.texel_size;
   }
 
   void write(hlod::NodeId n, const WrittenTile& made) {
@@ -405,6 +487,7 @@ class TilesetWriter {
   std::uint32_t tiles_per_file_;
   TileFormat format_;
   bool needs_borders_ = false;
+  bool has_node_images_ = false;  // tiles take those, and no images of the input
   BorderVertices borders_;
   SourceTextures sources_;
   TextureFormat texture_format_ = TextureFormat::png;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -127,18 +128,28 @@ enum class OhlodImages {
   nodes,  // also an image for each node, of what its triangles show, where images can be divided among nodes
 };
 
+// How an .ohlod file is written.
+struct OhlodOptions {
+  // With compression meshes and splits of nodes take about half their bytes, none of them lost, node by node.
+  OlodCompression compression = OlodCompression::zstd;
+  OhlodImages images = OhlodImages::named;
+  std::filesystem::path image_folder = {};  // as for write_olod()
+  int threads = 0;                          // in [0, 1024]; 0: one for each core. The result does not depend on it
+  // Called now and then with the share of images that are made, in [0, 1]. What it throws ends the writing, and leaves
+  // what is there.
+  std::function<void(double)> images_progress = {};
+};
+
 // Writes beside `path` and renames, so that a file that was there stays as it was when writing fails. The same
-// arguments give the same bytes. With compression meshes and splits of nodes take about half their bytes, none of them
-// lost, node by node, by `threads` threads, 0: one for each core. `image_folder` is as for write_olod(). Throws Error
-// that names the file. O(bytes).
+// arguments give the same bytes. Throws Error that names the file. O(bytes).
 //
 // OhlodImages::nodes finds images in `image_folder` and packs what each node shows of them anew, as
 // tiles::write_tileset() does: with the texels of the input on level 0, others with about one for each error; errors of
 // nodes are then no less than their texels. Nodes have none where the HLOD has splits within nodes, whose coordinates
-// they would need; those that it has are written in any case. O(texels), and 7 bytes for each texel of the input.
+// they would need; those that it has are written in any case. O(texels), and 7 bytes for each texel of the input, in
+// scratch files while a MemoryLimit lives.
 void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report,
-                 OlodCompression compression = OlodCompression::zstd, const std::filesystem::path& image_folder = {},
-                 OhlodImages images = OhlodImages::named, int threads = 0);
+                 const OhlodOptions& options = {});
 
 // Reads a file: checks magic, version, sizes, and all that is known of nodes without their meshes: O(nodes). The mesh
 // of a node is checked (checksum and content) when Hlod::require() is first called for it, its splits when
