@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "image_file.h"
 #include "layered_texture.h"
 #include "mesh/image_codec.h"
+#include "node_image.h"
 #include "occlod/base.h"
 #include "occlod/node_store.h"
 #include "standard_streams.h"
@@ -83,7 +83,7 @@ std::shared_ptr<const Image> NodePictures::decoded(const Key& key) {
   if (broken_.contains({hlod, node})) return nullptr;
   try {
     auto image =
-        std::make_shared<const Image>(reduced(tool::decode_image(hlod->mesh(node).image, name_of(node)), halvings));
+        std::make_shared<const Image>(reduced(tool::image_of_node(hlod->mesh(node), name_of(node)), halvings));
     known = image;
     return image;
   } catch (const Error& error) {
