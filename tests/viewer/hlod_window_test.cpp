@@ -120,7 +120,8 @@ TEST_F(Hlod, StatesAndBoxesAfterAStep) {
   expect_golden("hlod_drawn");
 }
 
-// A model looks the same whether its nodes name its image or have parts of it; these leave with the nodes that are drawn.
+// A model looks the same whether its nodes name its image or have parts of it; these leave with the nodes that are
+// drawn.
 TEST_F(Hlod, NodesShowTheirOwnImages) {
   act({{"do", "picture_size"}, {"width", 200}, {"height", 200}});
   set("hlod_tolerance", 0.0);

@@ -34,8 +34,8 @@ std::filesystem::path write_city(const Folder& folder);
 [[nodiscard]] nlohmann::json city_scene(const std::string& mesh);
 
 // Writes an HLOD of a square sheet of 64 x 64 squares, over the unit square but for its hills, in nodes of up to 256
-// triangles. It shows an image of 256 x 256 texels whose red grows along x and green along y: nodes have images of their
-// own, or name the model's.
+// triangles. It shows an image of 256 x 256 texels whose red grows along x and green along y: nodes have images of
+// their own, or name the model's.
 std::filesystem::path write_sheet(const Folder& folder, const std::string& name, OhlodImages images);
 
 // A scene of a smaller city with the same street, cameras and path, and cells along the street that are built for the

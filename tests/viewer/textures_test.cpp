@@ -136,9 +136,9 @@ class NodePicturesOf : public ::testing::Test {
 };
 
 TEST_F(NodePicturesOf, LiveAsLongAsSomeoneHasThem) {
-  draws_.push_back(draws_[0]);      // of another object with the same HLOD, say
+  draws_.push_back(draws_[0]);  // of another object with the same HLOD, say
   draws_.push_back(draws_[1]);
-  draws_.back().splits = 1;         // a cut
+  draws_.back().splits = 1;  // a cut
   auto images = of();
   ASSERT_EQ(images.size(), draws_.size());
   for (std::size_t i = 0; i + 1 < images.size(); ++i) ASSERT_TRUE(images[i]) << i;

@@ -61,7 +61,15 @@ VertexData vertex_data_of(const ViewMesh& mesh) {
 }
 
 VertexBuffers::VertexBuffers(const gl::Functions& gl)
-    : gl_(&gl), array_(gl), positions_(gl), normals_(gl), colors_(gl), creases_(gl), coordinates_(gl), materials_(gl), image_coordinates_(gl) {}
+    : gl_(&gl),
+      array_(gl),
+      positions_(gl),
+      normals_(gl),
+      colors_(gl),
+      creases_(gl),
+      coordinates_(gl),
+      materials_(gl),
+      image_coordinates_(gl) {}
 
 std::size_t VertexBuffers::fill(const VertexData& vertices, bool is_static) {
   const GLenum usage = is_static ? GL_STATIC_DRAW : GL_DYNAMIC_DRAW;

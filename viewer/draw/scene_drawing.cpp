@@ -59,10 +59,14 @@ std::size_t SceneDrawing::upload(Side& side, const HlodSide& drawn) {
     if (side.number != drawn.front->number) {
       bytes += object.triangles.fill(front.triangles);
       if (!object.vertices) object.vertices.emplace(*gl_);
-      bytes += object.vertices->fill(
-          {front.positions, front.normals, {}, front.colors, front.texture_coordinates, front.materials,
-           front.image_coordinates},
-          false);
+      bytes += object.vertices->fill({front.positions,
+                                      front.normals,
+                                      {},
+                                      front.colors,
+                                      front.texture_coordinates,
+                                      front.materials,
+                                      front.image_coordinates},
+                                     false);
       gl_->BindVertexArray(0);
     }
     bytes += object.colors.fill(drawn.colors[i]);

@@ -36,7 +36,7 @@ void append_image_coordinates(FrontObject& to, const hlod::DrawnNode& draw, cons
   for (std::size_t v = 0; has_image && v < mesh.positions.size(); ++v) {
     const MaterialId material = mesh.materials.empty() ? MaterialId{0} : mesh.materials[v];
     to.image_coordinates.push_back(view.image_materials[material] != 0 ? glm::vec2(mesh.image_coordinates[v]) / end
-                                                                        : glm::vec2(-1.0F));
+                                                                       : glm::vec2(-1.0F));
   }
   to.image_coordinates.resize(to.positions.size(), glm::vec2(-1.0F));
 }

@@ -38,10 +38,10 @@ struct HlodFront {
 
 // Holds one half of the picture, or all of it.
 struct HlodSide {
-  hlod::Strategy strategy = hlod::Strategy::coh;  // that was asked for
-  std::shared_ptr<const HlodFront> front;         // not null
-  double tolerance_px = 0.0;                      // with which it was drawn: raised for HlodSettings::most_triangles
-  std::vector<std::vector<glm::u8vec4>> colors;   // per object and triangle; empty where colours tell nothing
+  hlod::Strategy strategy = hlod::Strategy::coh;     // that was asked for
+  std::shared_ptr<const HlodFront> front;            // not null
+  double tolerance_px = 0.0;                         // with which it was drawn: raised for HlodSettings::most_triangles
+  std::vector<std::vector<glm::u8vec4>> colors;      // per object and triangle; empty where colours tell nothing
   std::vector<std::shared_ptr<const Image>> images;  // per draw, its node's own or null; empty where none are shown
 };
 

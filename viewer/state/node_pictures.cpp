@@ -54,8 +54,8 @@ std::vector<std::shared_ptr<const Image>> NodePictures::of(std::span<const hlod:
   for (const hlod::DrawnNode& draw : draws) {
     const hlod::Hlod& hlod = *placed[draw.object].hlod;
     const std::pair node(&hlod, draw.node);
-    if (draw.splits > 0 || !hlod.is_resident(draw.node) || hlod.mesh(draw.node).image.empty() ||
-        shown.contains(node) || broken_.contains(node))
+    if (draw.splits > 0 || !hlod.is_resident(draw.node) || hlod.mesh(draw.node).image.empty() || shown.contains(node) ||
+        broken_.contains(node))
       continue;
     try {
       shown[node] = size_of_image(hlod.mesh(draw.node).image, name_of(draw.node));
@@ -82,8 +82,7 @@ std::shared_ptr<const Image> NodePictures::decoded(const Key& key) {
   if (std::shared_ptr<const Image> image = known.lock()) return image;
   if (broken_.contains({hlod, node})) return nullptr;
   try {
-    auto image =
-        std::make_shared<const Image>(reduced(tool::image_of_node(hlod->mesh(node), name_of(node)), halvings));
+    auto image = std::make_shared<const Image>(reduced(tool::image_of_node(hlod->mesh(node), name_of(node)), halvings));
     known = image;
     return image;
   } catch (const Error& error) {
