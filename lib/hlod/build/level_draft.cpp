@@ -29,7 +29,7 @@ WedgeMesh in_order(const TriangleMesh& mesh, unsigned threads) {
   permute(wedge_features(mesh), result.wedge_features);
   for (std::size_t i = mesh.vertex_count(); i < mesh.wedge_count(); ++i)
     result.extra_wedges.push_back(order.new_id[mesh.vertex_of(order.old_id[i])]);
-  const auto renumber = [&](const std::vector<Triangle>& from, LargeVector<Triangle>& to) {
+  const auto renumber = [&](const std::vector<Triangle>& from, UninitializedVector<Triangle>& to) {
     to.resize(from.size());
     for_each_id(from.size(), threads, [&](std::uint32_t f) {
       for (int k = 0; k < 3; ++k) to[f][k] = order.new_id[from[f][k]];
