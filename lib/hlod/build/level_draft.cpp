@@ -17,7 +17,10 @@ namespace {
 WedgeMesh in_order(const TriangleMesh& mesh, unsigned threads) {
   WedgeMesh result;
   const WedgeOrder order = spatial_order_of(mesh, in_order_of_use(mesh.triangles, mesh.vertex_count()), threads);
+  // Simplification adds wedges where there are seams; arrays without room for them would be copied.
+  const std::size_t room = mesh.extra_wedges.empty() ? 0 : mesh.wedge_count() / 8;
   const auto permute = [&](const auto& from, auto& to) {
+    if (!from.empty()) to.reserve(from.size() + room);
     to.resize(from.size());
     for_each_id(from.size(), threads, [&](std::uint32_t i) { to[i] = from[order.old_id[i]]; });
   };
