@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "image_file.h"
+#include "node_image.h"
 #include "occlod/base.h"
 #include "standard_streams.h"
 
@@ -44,7 +44,7 @@ NodeTextures::Own NodeTextures::decoded(const LaidObject& laid) const {
   own.coordinates.assign(laid.texture_coordinates.begin(), laid.texture_coordinates.end());
   try {
     own.image =
-        std::make_unique<TextureImage>(decode_image(laid.mesh.image, fmt::format("the image of node {}", laid.node)),
+        std::make_unique<TextureImage>(image_of_node(laid.mesh, fmt::format("the image of node {}", laid.node)),
                                        TextureAddress{TextureWrap::clamp, TextureWrap::clamp, TextureOrigin::top_left});
   } catch (const Error& error) {
     print_note(std::string(error.what()) + "; the node is drawn without");

@@ -46,7 +46,7 @@ TEST(Cells, AreSplitBelowTheSortedBits) {
   const std::vector<std::uint64_t> codes = {5, 4, 5, 4};
   const Cells cells = make_cells(codes, 2, {}, 1);
   ASSERT_EQ(cells.leaf_count(), 2U);
-  EXPECT_TRUE((cells.order == LargeVector<std::uint32_t>{1, 3, 0, 2}));
+  EXPECT_TRUE((cells.order == UninitializedVector<std::uint32_t>{1, 3, 0, 2}));
 }
 
 TEST(Cells, WhatLiesInOnePlaceIsCutById) {
@@ -110,7 +110,7 @@ TEST(MoveSlivers, ToTheGroupThatSharesMostVertices) {
   for (VertexId v = 0; v < 64; ++v) level.triangles.push_back({v, v + 1, v + 2});
   level.nodes.resize(1);
   level.nodes[0].triangle_count = 64;
-  TriangleGroups groups{LargeVector<std::uint32_t>(64, 0), 3};
+  TriangleGroups groups{UninitializedVector<std::uint32_t>(64, 0), 3};
   std::fill(groups.group_of.begin() + 30, groups.group_of.begin() + 32, 1U);
   std::fill(groups.group_of.begin() + 32, groups.group_of.end(), 2U);
   move_slivers(level, hlod_reduction(96), groups, 1);

@@ -4,7 +4,9 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <glm/common.hpp>
 #include <map>
 #include <string>
 
@@ -41,6 +43,15 @@ class Hlod : public WindowTest {
     std::size_t count = 0;
     for (std::size_t i = 0; i < std::min(a.pixels.size(), b.pixels.size()); ++i)
       count += a.pixels[i] != b.pixels[i] ? 1U : 0U;
+    return count;
+  }
+  // Pixels in which a colour differs by more values.
+  static std::size_t differing_by(const Image& a, const Image& b, int values) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+      const glm::ivec4 difference = glm::abs(glm::ivec4(a.pixels[i]) - glm::ivec4(b.pixels[i]));
+      count += std::max({difference.x, difference.y, difference.z}) > values ? 1U : 0U;
+    }
     return count;
   }
 };
@@ -107,6 +118,39 @@ TEST_F(Hlod, StatesAndBoxesAfterAStep) {
   set("hlod_color_by", "level");
   set("node_boxes", "drawn");
   expect_golden("hlod_drawn");
+}
+
+// A model looks the same whether its nodes name its image or have parts of it; these leave with the nodes that are
+// drawn.
+TEST_F(Hlod, NodesShowTheirOwnImages) {
+  act({{"do", "picture_size"}, {"width", 200}, {"height", 200}});
+  set("hlod_tolerance", 0.0);
+  const auto shown = [&](const char* name, OhlodImages images) {
+    act({{"do", "close_all"}});
+    act({{"do", "open"}, {"file", write_sheet(folder_, name, images).string()}});
+    EXPECT_EQ(session().state().errors, 0) << session().state().notices.back().text;
+    return screenshot();
+  };
+  const Image named = shown("named.ohlod", OhlodImages::named), own = shown("own.ohlod", OhlodImages::nodes);
+  // Texels are those of the model, but smaller versions of its image blend others: colours differ by a few values, also
+  // where nodes meet.
+  ASSERT_EQ(own.pixels.size(), named.pixels.size());
+  EXPECT_EQ(differing_by(own, named, 12), 0U);
+  EXPECT_LT(differing_by(own, named, 4), 10U);
+  const int textures = count_gl_objects()["Texture"];
+  set("hlod_color_by", "plain");
+  EXPECT_GT(changed(screenshot(), own), own.pixels.size() / 8);
+  EXPECT_LE(count_gl_objects()["Texture"], textures - 32);  // a node of level 0 has at most 256 of 8,192 triangles
+  set("hlod_color_by", "texture");
+  EXPECT_EQ(changed(screenshot(), own), 0U);
+  set("wire", true);
+  EXPECT_GT(changed(screenshot(), own), 30U);
+  set("wire", false);
+  // With a node or two, the image is blurred.
+  set("hlod_tolerance", 50.0);
+  EXPECT_LT(session().figures().at("drawn_nodes"), 3.0);
+  EXPECT_LE(count_gl_objects()["Texture"], textures - 30);
+  EXPECT_LT(differing_by(screenshot(), named, 60), own.pixels.size() / 20);
 }
 
 TEST_F(Hlod, SplitScreenOfTwoStrategies) {

@@ -4,8 +4,12 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <fstream>
+#include <glm/common.hpp>
+#include <vector>
 
+#include "mesh/image_codec.h"
 #include "occlod/build_cells.h"
 #include "occlod/build_hlod.h"
 #include "occlod/generate.h"
@@ -49,6 +53,37 @@ std::filesystem::path write_city(const Folder& folder) {
   write_ohlod(folder.path("city.ohlod"),
               hlod::build_hlod(generate("city", {{"blocks", 6}, {"facade_cells", 2}}), options), {});
   return folder.path("city.ohlod");
+}
+
+std::filesystem::path write_sheet(const Folder& folder, const std::string& name, OhlodImages images) {
+  constexpr int squares = 64, texels = 256;
+  TriangleMesh mesh;
+  mesh.texture_origin = TextureOrigin::top_left;
+  std::vector<glm::u8vec4> pixels;
+  for (int y = 0; y < texels; ++y)
+    for (int x = 0; x < texels; ++x) pixels.emplace_back(x, y, 40, 255);
+  mesh.textures.resize(1);
+  mesh.textures[0].mime_type = "image/png";
+  mesh.textures[0].bytes = encode_png(pixels, texels);
+  mesh.materials.resize(1);
+  mesh.materials[0].texture = 0;
+  for (int y = 0; y <= squares; ++y)
+    for (int x = 0; x <= squares; ++x) {
+      const glm::vec2 at = glm::vec2(x, y) / static_cast<float>(squares);
+      mesh.positions.emplace_back(at, 0.02F * std::sin(20.0F * at.x) * std::cos(15.0F * at.y));
+      mesh.texture_coordinates.push_back(glm::mix(glm::vec2(0.02F), glm::vec2(0.98F), at));
+    }
+  for (int y = 0; y < squares; ++y)
+    for (int x = 0; x < squares; ++x) {
+      const auto a = static_cast<VertexId>(y * (squares + 1) + x);
+      const VertexId b = a + squares + 1;
+      mesh.triangles.insert(mesh.triangles.end(), {{a, a + 1, b}, {a + 1, b + 1, b}});
+    }
+  mesh.triangle_materials.assign(mesh.triangles.size(), 0);
+  hlod::HlodBuildOptions options;
+  options.node_triangles = 256;
+  write_ohlod(folder.path(name), hlod::build_hlod(mesh, options), {}, OlodCompression::zstd, {}, images);
+  return folder.path(name);
 }
 
 nlohmann::json city_scene(const std::string& mesh) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "occlod/node_store.h"
 #include "session.h"
 
 namespace occlod::viewer::test {
@@ -31,6 +32,11 @@ class Folder {
 std::filesystem::path write_city(const Folder& folder);
 // A scene of this mesh with a camera in a street of that city, the bookmark "above" and the path "by" of 5 frames.
 [[nodiscard]] nlohmann::json city_scene(const std::string& mesh);
+
+// Writes an HLOD of a square sheet of 64 x 64 squares, over the unit square but for its hills, in nodes of up to 256
+// triangles. It shows an image of 256 x 256 texels whose red grows along x and green along y: nodes have images of
+// their own, or name the model's.
+std::filesystem::path write_sheet(const Folder& folder, const std::string& name, OhlodImages images);
 
 // A scene of a smaller city with the same street, cameras and path, and cells along the street that are built for the
 // objects of a session that has opened it: their file.

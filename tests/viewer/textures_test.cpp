@@ -3,13 +3,21 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "explain.h"
+#include "hlod/store/hlod_data.h"
 #include "layered_texture.h"
+#include "mesh/image_codec.h"
+#include "node_pictures.h"
 #include "objects.h"
 #include "occlod/build_hierarchy.h"
 #include "support/wedge_meshes.h"
+#include "viewer/support.h"
 
 namespace occlod::viewer {
 namespace {
@@ -99,6 +107,95 @@ TEST(LayeredTexture, HasALayerForEachMaterial) {
 }
 
 TEST(LayeredTexture, OfNothingIsNothing) { EXPECT_EQ(layered({}, TextureOrigin::bottom_left), nullptr); }
+
+class NodePicturesOf : public ::testing::Test {
+ protected:
+  NodePicturesOf() { set_hlod(read_ohlod(test::write_sheet(folder_, "sheet.ohlod", OhlodImages::nodes)).hlod); }
+  void set_hlod(hlod::Hlod hlod) {
+    hlod_ = std::move(hlod);
+    draws_.clear();
+    for (hlod::NodeId n = 0; n < hlod_.node_count(); ++n) {
+      hlod_.require(n);
+      if (hlod_.node(n).level == 0) draws_.push_back({.object = 0, .node = n});
+    }
+  }
+  [[nodiscard]] auto of(std::size_t max_bytes = node_picture_bytes) {
+    const hlod::PlacedHlod placed[] = {{.hlod = &hlod_}};
+    return pictures_.of(draws_, placed, max_bytes);
+  }
+  static std::size_t bytes_of(std::span<const std::shared_ptr<const Image>> images) {
+    std::size_t bytes = 0;
+    for (const auto& image : images) bytes += image ? std::span(image->pixels).size_bytes() : 0;
+    return bytes;
+  }
+
+  test::Folder folder_;
+  hlod::Hlod hlod_;
+  std::vector<hlod::DrawnNode> draws_;
+  NodePictures pictures_;
+};
+
+TEST_F(NodePicturesOf, LiveAsLongAsSomeoneHasThem) {
+  draws_.push_back(draws_[0]);  // of another object with the same HLOD, say
+  draws_.push_back(draws_[1]);
+  draws_.back().splits = 1;  // a cut
+  auto images = of();
+  ASSERT_EQ(images.size(), draws_.size());
+  for (std::size_t i = 0; i + 1 < images.size(); ++i) ASSERT_TRUE(images[i]) << i;
+  EXPECT_EQ(images[images.size() - 2], images[0]);
+  EXPECT_EQ(images.back(), nullptr);
+  const auto held = images[2];
+  const std::weak_ptr<const Image> let_go = images[3];
+  images.clear();
+  EXPECT_TRUE(let_go.expired());
+  EXPECT_EQ(of()[2], held);
+}
+
+// What no triangle shows is black in the file, and a mean of what is shown here: the sheet's image is nowhere without
+// blue.
+TEST_F(NodePicturesOf, NoTexelIsBlack) {
+  const auto has_black = [](const auto& pixels) {
+    return std::ranges::any_of(pixels, [](const glm::u8vec4& pixel) { return pixel.b < 38; });
+  };
+  for (const hlod::DrawnNode& draw : draws_)
+    EXPECT_TRUE(has_black(decode_texels(hlod_.mesh(draw.node).image, "image").pixels));
+  for (const auto& image : of()) EXPECT_FALSE(has_black(image->pixels));
+}
+
+// Red grows along x, and all of the sheet is shown: the mean over nodes stays where it was.
+TEST_F(NodePicturesOf, AllAreHalvedUntilTheyFit) {
+  const auto whole = of();
+  const std::size_t bytes = bytes_of(whole);
+  EXPECT_EQ(of(bytes), whole);
+  const auto half = of(bytes - 1);
+  EXPECT_LT(bytes_of(half), bytes / 3);
+  EXPECT_GT(bytes_of(half), bytes / 6);
+  EXPECT_LE(bytes_of(of(bytes / 40)), bytes / 40);
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    EXPECT_EQ(half[i]->width, whole[i]->width / 2);
+    const auto middle = [](const Image& image) {
+      return image.pixels[static_cast<std::size_t>(image.height / 2 * image.width + image.width / 2)];
+    };
+    EXPECT_NEAR(middle(*half[i]).r, middle(*whole[i]).r, 3);
+    EXPECT_NEAR(middle(*half[i]).g, middle(*whole[i]).g, 3);
+  }
+}
+
+TEST_F(NodePicturesOf, NodesWithABrokenImageAreNull) {
+  hlod::HlodData data = copy_data(hlod_);
+  const hlod::NodeId broken = draws_[1].node;
+  const std::uint64_t image = data.node_images[broken].place + 4 * data.nodes[broken].vertices;
+  std::fill_n(data.images.begin() + static_cast<std::ptrdiff_t>(image), 8, std::byte{0});
+  set_hlod(make_hlod(std::move(data)));
+  for (int i = 0; i < 2; ++i) {  // it is told once
+    testing::internal::CaptureStderr();
+    const auto images = of();
+    const std::string told = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(images[1], nullptr);
+    EXPECT_TRUE(images[0] && images[2]);
+    EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), i == 0 ? 1 : 0) << told;
+  }
+}
 
 }  // namespace
 }  // namespace occlod::viewer

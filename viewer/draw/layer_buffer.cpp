@@ -24,4 +24,24 @@ void LayerBuffer::bind() const {
   gl_->ActiveTexture(GL_TEXTURE0);
 }
 
+ImageBuffer::ImageBuffer(const gl::Functions& gl, const Image& image) : gl_(&gl), texture_(gl) {
+  bind();
+  gl.ActiveTexture(GL_TEXTURE2);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, image.width, image.height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                image.pixels.data());
+  gl.GenerateMipmap(GL_TEXTURE_2D);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  gl.ActiveTexture(GL_TEXTURE0);
+}
+
+void ImageBuffer::bind() const {
+  gl_->ActiveTexture(GL_TEXTURE2);
+  gl_->BindTexture(GL_TEXTURE_2D, texture_.id());
+  gl_->ActiveTexture(GL_TEXTURE0);
+}
+
 }  // namespace occlod::viewer

@@ -61,7 +61,15 @@ VertexData vertex_data_of(const ViewMesh& mesh) {
 }
 
 VertexBuffers::VertexBuffers(const gl::Functions& gl)
-    : gl_(&gl), array_(gl), positions_(gl), normals_(gl), colors_(gl), creases_(gl), coordinates_(gl), materials_(gl) {}
+    : gl_(&gl),
+      array_(gl),
+      positions_(gl),
+      normals_(gl),
+      colors_(gl),
+      creases_(gl),
+      coordinates_(gl),
+      materials_(gl),
+      image_coordinates_(gl) {}
 
 std::size_t VertexBuffers::fill(const VertexData& vertices, bool is_static) {
   const GLenum usage = is_static ? GL_STATIC_DRAW : GL_DYNAMIC_DRAW;
@@ -70,16 +78,19 @@ std::size_t VertexBuffers::fill(const VertexData& vertices, bool is_static) {
   has_colors_ = !vertices.colors.empty();
   has_coordinates_ = !vertices.texture_coordinates.empty();
   has_materials_ = !vertices.materials.empty();
+  has_image_coordinates_ = !vertices.image_coordinates.empty();
   store(*gl_, positions_, vertices.positions, usage);
   if (has_normals_) store(*gl_, normals_, vertices.normals, usage);
   if (has_creases_) store(*gl_, creases_, vertices.creases, usage);
   if (has_colors_) store(*gl_, colors_, vertices.colors, usage);
   if (has_coordinates_) store(*gl_, coordinates_, vertices.texture_coordinates, usage);
   if (has_materials_) store(*gl_, materials_, vertices.materials, usage);
+  if (has_image_coordinates_) store(*gl_, image_coordinates_, vertices.image_coordinates, usage);
   gl_->BindVertexArray(array_.id());
   describe(positions_);
   return vertices.positions.size_bytes() + vertices.normals.size_bytes() + vertices.creases.size_bytes() +
-         vertices.colors.size_bytes() + vertices.texture_coordinates.size_bytes() + vertices.materials.size_bytes();
+         vertices.colors.size_bytes() + vertices.texture_coordinates.size_bytes() + vertices.materials.size_bytes() +
+         vertices.image_coordinates.size_bytes();
 }
 
 void VertexBuffers::describe(const gl::Buffer& positions) const {
@@ -88,6 +99,7 @@ void VertexBuffers::describe(const gl::Buffer& positions) const {
   if (has_colors_) attribute(*gl_, colors_, 2, 4, GL_UNSIGNED_BYTE);
   if (has_creases_) attribute(*gl_, creases_, 3, 1, GL_UNSIGNED_BYTE);
   if (has_coordinates_) attribute(*gl_, coordinates_, 4, 2, GL_FLOAT);
+  if (has_image_coordinates_) attribute(*gl_, image_coordinates_, 6, 2, GL_FLOAT);
   if (!has_materials_) return;
   gl_->BindBuffer(GL_ARRAY_BUFFER, materials_.id());
   gl_->EnableVertexAttribArray(5);
@@ -134,6 +146,12 @@ std::size_t TriangleBuffers::change(std::span<const Triangle> triangles, std::sp
 void TriangleBuffers::draw() const {
   gl_->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
   gl_->DrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
+}
+
+void TriangleBuffers::draw(const TriangleRange& range) const {
+  gl_->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
+  gl_->DrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * range.count), GL_UNSIGNED_INT,
+                    reinterpret_cast<const void*>(range.first * sizeof(Triangle)));
 }
 
 TriangleColors::TriangleColors(const gl::Functions& gl) : gl_(&gl), texture_(gl) {

@@ -19,6 +19,7 @@ struct VertexData {
   std::span<const glm::u8vec4> colors;
   std::span<const glm::vec2> texture_coordinates = {};
   std::span<const MaterialId> materials = {};
+  std::span<const glm::vec2> image_coordinates = {};
 };
 [[nodiscard]] VertexData vertex_data_of(const ViewMesh& mesh);
 
@@ -42,11 +43,13 @@ class VertexBuffers {
   gl::Buffer creases_;
   gl::Buffer coordinates_;
   gl::Buffer materials_;
+  gl::Buffer image_coordinates_;
   bool has_normals_ = false;
   bool has_creases_ = false;
   bool has_colors_ = false;
   bool has_coordinates_ = false;
   bool has_materials_ = false;
+  bool has_image_coordinates_ = false;
 };
 
 // Holds the vertices of one object while some of them morph, with positions of its own.
@@ -74,6 +77,8 @@ class TriangleBuffers {
   std::size_t change(std::span<const Triangle> triangles, std::span<const TriangleRange> changes);
   // Draws with the vertex buffers and the program bound.
   void draw() const;
+  // Draws some of the triangles, which then count from 0 again.
+  void draw(const TriangleRange& range) const;
 
  private:
   const gl::Functions* gl_;

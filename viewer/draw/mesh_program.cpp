@@ -13,12 +13,13 @@ layout(location = 2) in vec4 color;
 layout(location = 3) in float crease;
 layout(location = 4) in vec2 coordinate;
 layout(location = 5) in int layer;
+layout(location = 6) in vec2 place;
 uniform mat4 object_to_clip;
 uniform mat4 object_to_eye;
 uniform mat3 normal_to_eye;
 uniform float crease_limit;
 uniform vec4 clip_plane;
-out VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; vec2 coordinate; flat int layer; } vertex;
+out VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; vec2 coordinate; vec2 place; flat int layer; } vertex;
 void main() {
   gl_Position = object_to_clip * vec4(position, 1.0);
   vertex.position = vec3(object_to_eye * vec4(position, 1.0));
@@ -30,6 +31,7 @@ void main() {
   vertex.smooth_share = has_normal ? 1.0 : 0.0;
   vertex.color = color.rgb;
   vertex.coordinate = coordinate;
+  vertex.place = place;
   vertex.layer = layer;
 }
 )";
@@ -37,8 +39,8 @@ void main() {
 constexpr const char* geometry_shader = R"(#version 330 core
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 3) out;
-in VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; vec2 coordinate; flat int layer; } corners[];
-out VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; vec2 coordinate; flat int layer; } vertex;
+in VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; vec2 coordinate; vec2 place; flat int layer; } corners[];
+out VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; vec2 coordinate; vec2 place; flat int layer; } vertex;
 out vec3 barycentric;
 void main() {
   for (int i = 0; i < 3; ++i) {
@@ -50,6 +52,7 @@ void main() {
     vertex.color = corners[i].color;
     vertex.smooth_share = corners[i].smooth_share;
     vertex.coordinate = corners[i].coordinate;
+    vertex.place = corners[i].place;
     vertex.layer = corners[i].layer;
     barycentric = vec3(i == 0, i == 1, i == 2);
     EmitVertex();
@@ -60,7 +63,7 @@ void main() {
 
 // Lights and line widths are those of occlod::shade (lib/scene/shade.cpp).
 constexpr const char* fragment_shader = R"(
-in VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; vec2 coordinate; flat int layer; } vertex;
+in VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; vec2 coordinate; vec2 place; flat int layer; } vertex;
 uniform int color_mode;
 uniform bool flat_shading;
 uniform bool dim_back_faces;
@@ -68,6 +71,8 @@ uniform bool orthographic;
 uniform bool texture_from_below;
 uniform sampler2D triangle_colors;
 uniform sampler2DArray layers;
+uniform bool has_node_image;
+uniform sampler2D node_image;
 out vec4 target;
 
 // A gamma of 2: where the CPU draws, powers cost more than everything else together.
@@ -79,7 +84,10 @@ vec3 surface_color() {
     return to_linear(texelFetch(triangle_colors, ivec2(gl_PrimitiveID % 4096, gl_PrimitiveID / 4096), 0).rgb);
   if (color_mode == 3) {
     vec2 at = vec2(vertex.coordinate.x, texture_from_below ? 1.0 - vertex.coordinate.y : vertex.coordinate.y);
-    return to_linear(texture(layers, vec3(at, float(vertex.layer))).rgb);
+    vec3 color = to_linear(texture(layers, vec3(at, float(vertex.layer))).rgb);
+    // Where nodes show a material by their own images, its layer is its base colour.
+    if (has_node_image && vertex.place.x > -0.5) color *= to_linear(texture(node_image, vertex.place).rgb);
+    return color;
   }
   return vec3(0.80, 0.70, 0.58);
 }
@@ -160,10 +168,12 @@ MeshProgram::MeshProgram(const gl::Functions& gl, bool wire)
       dim_(program_.uniform("dim_back_faces")),
       orthographic_(program_.uniform("orthographic")),
       from_below_(program_.uniform("texture_from_below")),
+      node_image_(program_.uniform("has_node_image")),
       clip_plane_(program_.uniform("clip_plane")) {
   // Samplers of different kinds may not share a unit.
   gl.UseProgram(program_.id());
   gl.Uniform1i(program_.uniform("layers"), 1);
+  gl.Uniform1i(program_.uniform("node_image"), 2);
 }
 
 void MeshProgram::use(const Uniforms& uniforms) const {
@@ -177,6 +187,7 @@ void MeshProgram::use(const Uniforms& uniforms) const {
   gl_->Uniform1i(dim_, uniforms.dim_back_faces ? 1 : 0);
   gl_->Uniform1i(orthographic_, uniforms.orthographic ? 1 : 0);
   gl_->Uniform1i(from_below_, uniforms.texture_from_below ? 1 : 0);
+  gl_->Uniform1i(node_image_, uniforms.node_image ? 1 : 0);
   gl_->Uniform4fv(clip_plane_, 1, glm::value_ptr(uniforms.clip_plane));
 }
 

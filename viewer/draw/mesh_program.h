@@ -9,8 +9,8 @@
 
 namespace occlod::viewer {
 
-// Reads the attributes 0 position, 1 normal, 2 colour (sRGB), 3 crease (see find_creases()), 4 texture coordinate and 5
-// layer. Lights from the eye, like occlod::shade.
+// Reads the attributes 0 position, 1 normal, 2 colour (sRGB), 3 crease (see find_creases()), 4 texture coordinate, 5
+// layer and 6 place in the image of a node. Lights from the eye, like occlod::shade.
 class MeshProgram {
  public:
   // `wire` adds lines along edges, for which it uses a geometry shader.
@@ -27,6 +27,7 @@ class MeshProgram {
     bool dim_back_faces = false;
     bool orthographic = false;
     bool texture_from_below = true;  // texture coordinates grow upwards
+    bool node_image = false;         // vertices whose place there is not negative show the image of unit 2 too
     glm::vec4 clip_plane{0.0F};      // in eye space; works while GL_CLIP_DISTANCE0 is enabled
   };
   // Colours of triangles are texels of texture unit 0: triangle i at (i % texels_a_row, i / texels_a_row). Layers are
@@ -39,7 +40,7 @@ class MeshProgram {
   const gl::Functions* gl_;
   gl::Program program_;
   GLint object_to_clip_, object_to_eye_, normal_to_eye_, color_, crease_limit_, flat_, dim_, orthographic_, from_below_,
-      clip_plane_;
+      node_image_, clip_plane_;
 };
 
 // Draws a vertical gradient over the whole target.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/matrix.hpp>
+#include <set>
 #include <utility>
 
 namespace occlod::viewer {
@@ -20,6 +21,7 @@ std::size_t SceneDrawing::upload(std::shared_ptr<const RefinedFrame> frame) {
   std::size_t bytes = 0;
   for (std::size_t s = 0; s < sides_.size(); ++s)
     bytes += is_hlod ? upload(sides_[s], frame_->hlod_sides[s]) : upload(sides_[s], frame_->sides[s]);
+  drop_unshown_images();
   return bytes;
 }
 
@@ -57,14 +59,53 @@ std::size_t SceneDrawing::upload(Side& side, const HlodSide& drawn) {
     if (side.number != drawn.front->number) {
       bytes += object.triangles.fill(front.triangles);
       if (!object.vertices) object.vertices.emplace(*gl_);
-      bytes += object.vertices->fill(
-          {front.positions, front.normals, {}, front.colors, front.texture_coordinates, front.materials}, false);
+      bytes += object.vertices->fill({front.positions,
+                                      front.normals,
+                                      {},
+                                      front.colors,
+                                      front.texture_coordinates,
+                                      front.materials,
+                                      front.image_coordinates},
+                                     false);
       gl_->BindVertexArray(0);
     }
     bytes += object.colors.fill(drawn.colors[i]);
   }
   side.number = drawn.front->number;
+  return bytes + upload_images(side, drawn);
+}
+
+std::size_t SceneDrawing::upload_images(Side& side, const HlodSide& drawn) {
+  for (Drawn& object : side.objects) object.runs.clear();
+  std::size_t bytes = 0;
+  for (std::size_t i = 0; i < drawn.images.size(); ++i) {
+    const std::size_t object = drawn.front->frame.draws[i].object;
+    const auto first = static_cast<std::uint32_t>(drawn.front->first_triangle[i]);
+    std::vector<ImageRun>& runs = side.objects[object].runs;
+    if (!runs.empty()) runs.back().triangles.count = first - runs.back().triangles.first;
+    const ImageBuffer* buffer = nullptr;
+    if (const std::shared_ptr<const Image>& image = drawn.images[i]) {
+      const auto [place, is_new] = images_.try_emplace(image, *gl_, *image);
+      if (is_new) bytes += std::span(image->pixels).size_bytes();
+      buffer = &place->second;
+    }
+    runs.push_back({{first, 0}, buffer});
+  }
+  for (std::size_t i = 0; i < side.objects.size(); ++i) {
+    std::vector<ImageRun>& runs = side.objects[i].runs;
+    if (std::ranges::all_of(runs, [](const ImageRun& run) { return run.image == nullptr; })) runs.clear();
+    const auto end = static_cast<std::uint32_t>(drawn.front->objects[i].triangles.size());
+    if (!runs.empty()) runs.back().triangles.count = end - runs.back().triangles.first;
+  }
   return bytes;
+}
+
+void SceneDrawing::drop_unshown_images() {
+  std::set<const Image*> shown;
+  if (is_hlod_)
+    for (const HlodSide& side : frame_->hlod_sides)
+      for (const std::shared_ptr<const Image>& image : side.images) shown.insert(image.get());
+  std::erase_if(images_, [&](const auto& entry) { return !shown.contains(entry.first.get()); });
 }
 
 std::size_t SceneDrawing::upload(Side& side, const RefinedSide& refined) {
@@ -166,15 +207,26 @@ void SceneDrawing::draw_object(const PlacedObject& object, const Drawn& drawn, c
   gl_->FrontFace(object_view.mirrored() ? GL_CW : GL_CCW);
   gl_->Enable(GL_CULL_FACE);
   gl_->CullFace(GL_BACK);
-  drawn.triangles.draw();
+  draw_triangles(drawn, uniforms, look);
   if (!look.back_faces && !object.two_sided) return;
   // At a contour the back face is as near as the front face in front of it, except for rounding, so it is drawn second
   // and slightly farther away.
   gl_->CullFace(GL_FRONT);
   gl_->Enable(GL_POLYGON_OFFSET_FILL);
   gl_->PolygonOffset(1.0F, 1.0F);
-  drawn.triangles.draw();
+  draw_triangles(drawn, uniforms, look);
   gl_->Disable(GL_POLYGON_OFFSET_FILL);
+}
+
+// Draws them with the images of nodes where these are shown; the program is in use with these uniforms.
+void SceneDrawing::draw_triangles(const Drawn& drawn, MeshProgram::Uniforms& uniforms, const LookSettings& look) const {
+  if (uniforms.color != MeshProgram::Color::texture || drawn.runs.empty()) return drawn.triangles.draw();
+  for (const ImageRun& run : drawn.runs) {
+    if (run.image != nullptr) run.image->bind();
+    if (const bool has_image = run.image != nullptr; std::exchange(uniforms.node_image, has_image) != has_image)
+      (look.wire ? wire_ : plain_).use(uniforms);
+    drawn.triangles.draw(run.triangles);
+  }
 }
 
 }  // namespace occlod::viewer

@@ -58,6 +58,7 @@ void HlodBench::draw(RefinedFrame& frame) {
 
 void HlodBench::forget() {
   sides_.clear();
+  pictures_ = {};
   objects_.reset();
   devices_.clear();
 }
@@ -65,7 +66,10 @@ void HlodBench::forget() {
 // Makes one traverser for each side. What is known of nodes is kept while objects only move.
 void HlodBench::place(const RefineJob& job) {
   const bool keeps = objects_ && !job.from_scratch && are_same_hlods(*objects_, *job.objects);
-  if (!keeps) sides_.clear();
+  if (!keeps) {
+    sides_.clear();
+    pictures_ = {};  // of HLODs that may be gone
+  }
   const bool moved = std::exchange(objects_, job.objects) != job.objects;
   const std::size_t count = job.compare ? 2 : 1;
   while (sides_.size() > count) sides_.pop_back();
@@ -89,7 +93,10 @@ HlodSide HlodBench::draw(Side& side, const RefineJob& job, hlod::Strategy strate
     side.front = make_front(frame, *job.objects, ++fronts_);
     side.asked = asked;
   }
-  return {strategy, side.front, side.tolerance_px, colors_of(*side.front, *job.objects, view, job.hlod)};
+  HlodSide drawn{strategy, side.front, side.tolerance_px, colors_of(*side.front, *job.objects, view, job.hlod), {}};
+  if (job.hlod.color_by == HlodColorBy::texture)
+    drawn.images = pictures_.of(side.front->frame.draws, placed_hlods(*job.objects));
+  return drawn;
 }
 
 std::optional<double> HlodBench::finer_px(const Side& side, double wanted_px) {

@@ -9,6 +9,7 @@
 
 #include "hlod_devices.h"
 #include "hlod_side.h"
+#include "node_pictures.h"
 #include "occlod/auto_refiner.h"
 #include "occlod/device.h"
 #include "occlod/device_costs.h"
@@ -63,6 +64,7 @@ class HlodBench {
   std::map<HlodDevice, std::unique_ptr<hlod::RenderDevice>> devices_;
   std::map<HlodDevice, hlod::DeviceCosts> costs_;
   std::vector<Side> sides_;
+  NodePictures pictures_;
   std::uint64_t fronts_ = 0;
   int frames_at_rest_ = 0;
 };

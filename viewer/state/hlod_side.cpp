@@ -26,6 +26,21 @@ void append_attributes(FrontObject& to, const hlod::DrawnNode& draw, const hlod:
   if (draw.splits > 0) append_all(hlod.within(draw.node));
 }
 
+// Appends where the vertices are in the node's own image, once all else of them is appended. A cut shows no image.
+void append_image_coordinates(FrontObject& to, const hlod::DrawnNode& draw, const hlod::Hlod& hlod) {
+  const hlod::HlodView& view = hlod.data();
+  if (view.node_images.empty()) return;
+  constexpr float end = 65535.0F;
+  const hlod::NodeMesh mesh = hlod.mesh(draw.node);
+  const bool has_image = draw.splits == 0 && !mesh.image.empty();
+  for (std::size_t v = 0; has_image && v < mesh.positions.size(); ++v) {
+    const MaterialId material = mesh.materials.empty() ? MaterialId{0} : mesh.materials[v];
+    to.image_coordinates.push_back(view.image_materials[material] != 0 ? glm::vec2(mesh.image_coordinates[v]) / end
+                                                                       : glm::vec2(-1.0F));
+  }
+  to.image_coordinates.resize(to.positions.size(), glm::vec2(-1.0F));
+}
+
 // Ranges contain whole patches; both are ascending.
 void append_patches(std::vector<std::uint32_t>& to, const hlod::DrawnNode& draw,
                     std::span<const hlod::DrawRange> ranges, const hlod::Hlod& hlod) {
@@ -42,6 +57,7 @@ void append_draw(FrontObject& to, const DrawObject& mesh, const hlod::DrawnNode&
   const auto first = static_cast<std::uint32_t>(to.positions.size());
   append(to.positions, mesh.positions);
   append_attributes(to, draw, hlod);
+  append_image_coordinates(to, draw, hlod);
   append(to.colors, mesh.colors);
   for (const Triangle& t : mesh.triangles) to.triangles.push_back(t + first);
   append_patches(to.patches, draw, ranges, hlod);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "objects.h"
+#include "occlod/picture.h"
 #include "occlod/traverser.h"
 #include "settings.h"
 
@@ -21,6 +22,8 @@ struct FrontObject {
   std::vector<glm::u8vec4> colors;             // sRGB, per vertex, or none
   std::vector<glm::vec2> texture_coordinates;  // per vertex, or none
   std::vector<MaterialId> materials;           // per vertex, or none: all have the first
+  std::vector<glm::vec2> image_coordinates;    // per vertex, in its node's own image from the top left; negative where
+                                               // it shows no such image; or none
   std::vector<Triangle> triangles;             // ids into positions
   std::vector<std::uint32_t> patches;          // per triangle, number of its patch in HlodView::patches; no_id in cuts
 };
@@ -35,10 +38,11 @@ struct HlodFront {
 
 // Holds one half of the picture, or all of it.
 struct HlodSide {
-  hlod::Strategy strategy = hlod::Strategy::coh;  // that was asked for
-  std::shared_ptr<const HlodFront> front;         // not null
-  double tolerance_px = 0.0;                      // with which it was drawn: raised for HlodSettings::most_triangles
-  std::vector<std::vector<glm::u8vec4>> colors;   // per object and triangle; empty where colours tell nothing
+  hlod::Strategy strategy = hlod::Strategy::coh;     // that was asked for
+  std::shared_ptr<const HlodFront> front;            // not null
+  double tolerance_px = 0.0;                         // with which it was drawn: raised for HlodSettings::most_triangles
+  std::vector<std::vector<glm::u8vec4>> colors;      // per object and triangle; empty where colours tell nothing
+  std::vector<std::shared_ptr<const Image>> images;  // per draw, its node's own or null; empty where none are shown
 };
 
 // Throws Error when a mapped file is damaged. O(triangles).

@@ -30,30 +30,31 @@ unsigned layer_size(std::span<const DrawMaterial> materials) {
   return size;
 }
 
-Image layer(const DrawMaterial& material, int size, TextureOrigin origin) {
-  Image image{size, size, {}};
-  image.pixels.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
-  const double step = 1.0 / size;
-  for (int y = 0; y < size; ++y) {
-    const double down = (y + 0.5) * step;
-    for (int x = 0; x < size; ++x) {
-      const glm::dvec2 at((x + 0.5) * step, origin == TextureOrigin::bottom_left ? 1.0 - down : down);
+}  // namespace
+
+Image resampled(const DrawMaterial& material, int width, int height, TextureOrigin origin) {
+  Image image{width, height, {}};
+  image.pixels.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  const glm::dvec2 step(1.0 / width, 1.0 / height);
+  for (int y = 0; y < height; ++y) {
+    const double down = (y + 0.5) * step.y;
+    for (int x = 0; x < width; ++x) {
+      const glm::dvec2 at((x + 0.5) * step.x, origin == TextureOrigin::bottom_left ? 1.0 - down : down);
       const glm::vec3 color =
-          material.image == nullptr ? glm::vec3(1.0F) : material.image->sample(at, {step, 0.0}, {0.0, step});
+          material.image == nullptr ? glm::vec3(1.0F) : material.image->sample(at, {step.x, 0.0}, {0.0, step.y});
       image.pixels.push_back(to_srgb(material.base_color * color));
     }
   }
   return image;
 }
 
-}  // namespace
-
 std::shared_ptr<const LayeredTexture> layered(std::span<const DrawMaterial> materials, TextureOrigin origin) {
   if (materials.empty()) return nullptr;
   auto result = std::make_shared<LayeredTexture>();
   result->size = static_cast<int>(layer_size(materials));
   result->origin = origin;
-  for (const DrawMaterial& material : materials) result->layers.push_back(layer(material, result->size, origin));
+  for (const DrawMaterial& material : materials)
+    result->layers.push_back(resampled(material, result->size, result->size, origin));
   return result;
 }
 

@@ -21,4 +21,7 @@ struct LayeredTexture {
 [[nodiscard]] std::shared_ptr<const LayeredTexture> layered(std::span<const DrawMaterial> materials,
                                                             TextureOrigin origin);
 
+// Returns a material's image times its base colour, `width` x `height` pixels. O(pixels).
+[[nodiscard]] Image resampled(const DrawMaterial& material, int width, int height, TextureOrigin origin);
+
 }  // namespace occlod::viewer

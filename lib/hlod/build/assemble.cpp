@@ -244,6 +244,7 @@ class Assembler {
   void write_mesh(NodeId n, const NodeParts& parts) {
     const Node& node = data_.nodes[n];
     const MeshLayout layout(node, arrays_of(data_));
+    std::fill_n(data_.meshes.data() + node.mesh, align_mesh(layout.bytes), std::byte{0});
     copy_wedges(mesh_, parts.wedges, layout, data_.meshes.data() + node.mesh);
     std::copy(parts.indices.begin(), parts.indices.end(), array_at<std::uint16_t>(node, layout.indices));
     std::fill_n(array_at<std::uint16_t>(node, layout.merged_into), parts.wedges.size(), stays);

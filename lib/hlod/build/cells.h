@@ -46,8 +46,8 @@ struct LeafRange {
 
 // Holds an octree whose cells are split until none has too many items.
 struct Cells {
-  LargeVector<std::uint32_t> order;       // items along the Morton curve; equal codes are ordered by id
-  std::vector<std::uint32_t> first_item;  // per leaf cell, place of its first item in `order`; then a sentinel
+  UninitializedVector<std::uint32_t> order;  // items along the Morton curve; equal codes are ordered by id
+  std::vector<std::uint32_t> first_item;     // per leaf cell, place of its first item in `order`; then a sentinel
   std::vector<LeafRange> inner;  // leaves below each inner cell, which are consecutive; children come before parents
   [[nodiscard]] std::uint32_t leaf_count() const { return static_cast<std::uint32_t>(first_item.size() - 1); }
   [[nodiscard]] std::uint32_t item_count(std::uint32_t leaf) const { return first_item[leaf + 1] - first_item[leaf]; }

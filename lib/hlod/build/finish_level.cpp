@@ -154,19 +154,28 @@ void bound(NodeDraft& node, const std::vector<NodeDraft>& below) {
 LevelDraft input_level(const WedgeMesh& mesh, const TriangleGroups& groups, unsigned threads) {
   LevelDraft level;
   level.nodes.resize(groups.count);
-  for_each_id(groups.group_of.size(), 1, [&](std::uint32_t t) { ++level.nodes[groups.group_of[t]].triangle_count; });
-  std::vector<std::uint32_t> next;
-  std::uint32_t first = 0;
-  for (NodeDraft& node : level.nodes) {
-    next.push_back(first);
-    node.first_triangle = std::exchange(first, first + node.triangle_count);
-  }
   level.triangles.resize(mesh.triangles.size());
   level.corners.resize(mesh.corners.size());
-  for_each_id(mesh.triangles.size(), 1, [&](std::uint32_t t) {
-    const std::uint32_t place = next[groups.group_of[t]]++;
-    level.triangles[place] = mesh.triangles[t];
-    if (!mesh.corners.empty()) level.corners[place] = mesh.corners[t];
+  // Each part of the triangles counts those of each node, and then writes them behind those of the parts before it.
+  std::vector<std::vector<std::uint32_t>> next(threads, std::vector<std::uint32_t>(groups.count, 0));
+  const auto for_each_triangle = [&](const auto& visit) {
+    for_each_part(mesh.triangles.size(), threads, [&](std::size_t begin, std::size_t end, std::size_t part) {
+      for_each_short_range(begin, end, [&](std::size_t first, std::size_t last) {
+        for (std::size_t t = first; t < last; ++t) visit(t, next[part][groups.group_of[t]]);
+      });
+    });
+  };
+  for_each_triangle([](std::size_t, std::uint32_t& count) { ++count; });
+  std::uint32_t place = 0;
+  for (std::size_t n = 0; n < level.nodes.size(); ++n) {
+    level.nodes[n].first_triangle = place;
+    for (std::vector<std::uint32_t>& of_part : next) place += std::exchange(of_part[n], place);
+    level.nodes[n].triangle_count = place - level.nodes[n].first_triangle;
+  }
+  for_each_triangle([&](std::size_t t, std::uint32_t& to) {
+    level.triangles[to] = mesh.triangles[t];
+    if (!mesh.corners.empty()) level.corners[to] = mesh.corners[t];
+    ++to;
   });
   for_each_task(
       level.nodes.size(), threads, [] { return 0; },

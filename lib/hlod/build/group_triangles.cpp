@@ -32,7 +32,7 @@ LargeVector<std::uint8_t> shared_vertices(std::span<const Triangle> triangles, s
 namespace {
 
 TriangleGroups by_triangle(const Cells& cells, const CellGroups& groups, unsigned threads) {
-  TriangleGroups result{LargeVector<std::uint32_t>(cells.order.size()), groups.count};
+  TriangleGroups result{UninitializedVector<std::uint32_t>(cells.order.size()), groups.count};
   for_each_id(cells.leaf_count(), threads, [&](std::uint32_t cell) {
     make_room();
     for (std::uint32_t i = cells.first_item[cell]; i < cells.first_item[cell + 1]; ++i)
@@ -51,8 +51,9 @@ glm::dvec3 TriangleGrouping::centroid(const Triangle& t) const {
   return (glm::dvec3(mesh_.positions[t.x]) + glm::dvec3(mesh_.positions[t.y]) + glm::dvec3(mesh_.positions[t.z])) / 3.0;
 }
 
-LargeVector<std::uint64_t> TriangleGrouping::codes_of(std::span<const Triangle> triangles, unsigned thirds) const {
-  LargeVector<std::uint64_t> codes(triangles.size());
+UninitializedVector<std::uint64_t> TriangleGrouping::codes_of(std::span<const Triangle> triangles,
+                                                              unsigned thirds) const {
+  UninitializedVector<std::uint64_t> codes(triangles.size());
   for_each_id(triangles.size(), threads_,
               [&](std::uint32_t t) { codes[t] = grid_.code(centroid(triangles[t]), thirds); });
   return codes;
@@ -84,8 +85,8 @@ TriangleGroups TriangleGrouping::group_level(const LevelDraft& below, unsigned l
 // All triangles of a node get its code, so that they end up in one cell.
 TriangleGroups TriangleGrouping::group_nodes(const LevelDraft& below) {
   if (node_codes_.empty()) find_node_codes(below);
-  LargeVector<std::uint64_t> codes(below.triangles.size());
-  LargeVector<std::uint32_t> unit_of(below.triangles.size());
+  UninitializedVector<std::uint64_t> codes(below.triangles.size());
+  UninitializedVector<std::uint32_t> unit_of(below.triangles.size());
   for (std::uint32_t n = 0; n < below.nodes.size(); ++n) {
     make_room();
     const NodeDraft& node = below.nodes[n];

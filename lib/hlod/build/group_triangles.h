@@ -22,7 +22,7 @@ namespace occlod::hlod {
 
 // Assigns a group to each triangle. Groups are numbered along a Morton curve.
 struct TriangleGroups {
-  LargeVector<std::uint32_t> group_of;  // per triangle
+  UninitializedVector<std::uint32_t> group_of;  // per triangle
   std::uint32_t count = 0;
 };
 
@@ -40,7 +40,7 @@ class TriangleGrouping {
 
  private:
   [[nodiscard]] glm::dvec3 centroid(const Triangle& t) const;
-  [[nodiscard]] LargeVector<std::uint64_t> codes_of(std::span<const Triangle> triangles, unsigned thirds) const;
+  [[nodiscard]] UninitializedVector<std::uint64_t> codes_of(std::span<const Triangle> triangles, unsigned thirds) const;
   [[nodiscard]] TriangleGroups group(std::span<const std::uint64_t> codes, std::span<const Triangle> triangles,
                                      std::uint32_t max_triangles, std::span<const std::uint32_t> unit_of) const;
   [[nodiscard]] TriangleGroups group_nodes(const LevelDraft& below);

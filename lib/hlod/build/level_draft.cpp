@@ -17,7 +17,10 @@ namespace {
 WedgeMesh in_order(const TriangleMesh& mesh, unsigned threads) {
   WedgeMesh result;
   const WedgeOrder order = spatial_order_of(mesh, in_order_of_use(mesh.triangles, mesh.vertex_count()), threads);
+  // Simplification adds wedges where there are seams; arrays without room for them would be copied.
+  const std::size_t room = mesh.extra_wedges.empty() ? 0 : mesh.wedge_count() / 8;
   const auto permute = [&](const auto& from, auto& to) {
+    if (!from.empty()) to.reserve(from.size() + room);
     to.resize(from.size());
     for_each_id(from.size(), threads, [&](std::uint32_t i) { to[i] = from[order.old_id[i]]; });
   };
@@ -29,7 +32,7 @@ WedgeMesh in_order(const TriangleMesh& mesh, unsigned threads) {
   permute(wedge_features(mesh), result.wedge_features);
   for (std::size_t i = mesh.vertex_count(); i < mesh.wedge_count(); ++i)
     result.extra_wedges.push_back(order.new_id[mesh.vertex_of(order.old_id[i])]);
-  const auto renumber = [&](const std::vector<Triangle>& from, LargeVector<Triangle>& to) {
+  const auto renumber = [&](const std::vector<Triangle>& from, UninitializedVector<Triangle>& to) {
     to.resize(from.size());
     for_each_id(from.size(), threads, [&](std::uint32_t f) {
       for (int k = 0; k < 3; ++k) to[f][k] = order.new_id[from[f][k]];

@@ -86,16 +86,16 @@ class LocalIds {
   std::size_t mask_ = 0;
 };
 
-// Holds the arrays of a TriangleMesh, which may be larger than memory. Vertices never change; a wedge is added where a
-// collapse stretches a chart over a vertex that had none in it.
+// Holds the arrays of a TriangleMesh, which may be larger than memory; several threads fill the larger ones. Vertices
+// never change; a wedge is added where a collapse stretches a chart over a vertex that had none in it.
 struct WedgeMesh {
-  LargeVector<glm::vec3> positions;
-  LargeVector<glm::vec3> normals;
-  LargeVector<glm::u8vec4> colors;
-  LargeVector<glm::vec2> texture_coordinates;
+  UninitializedVector<glm::vec3> positions;
+  UninitializedVector<glm::vec3> normals;
+  UninitializedVector<glm::u8vec4> colors;
+  UninitializedVector<glm::vec2> texture_coordinates;
   LargeVector<VertexId> extra_wedges;  // vertex of each extra wedge; added ones are in no order
-  LargeVector<Triangle> triangles;
-  LargeVector<Triangle> corners;
+  UninitializedVector<Triangle> triangles;
+  UninitializedVector<Triangle> corners;
   LargeVector<MaterialId> wedge_materials;  // per wedge; empty when triangles name none
   LargeVector<FeatureId> wedge_features;    // per wedge; empty where there are fewer than two
   std::vector<Material> materials;
@@ -184,16 +184,18 @@ struct NodeDraft {
 
 struct LevelDraft {
   std::vector<NodeDraft> nodes;
-  LargeVector<Triangle> triangles;  // vertex ids, node by node
-  LargeVector<Triangle> corners;    // wedges of the triangles; empty without seams
-  LargeVector<Merge> merges;        // node by node
+  UninitializedVector<Triangle> triangles;  // vertex ids, node by node
+  UninitializedVector<Triangle> corners;    // wedges of the triangles; empty without seams
+  LargeVector<Merge> merges;                // node by node
   // Holds, per triangle, the place on the next level of the node that replaces it; empty on the last level.
-  LargeVector<std::uint32_t> parent_of;
+  UninitializedVector<std::uint32_t> parent_of;
 
   [[nodiscard]] std::span<const Merge> merges_of(const NodeDraft& node) const {
     return std::span<const Merge>(merges).subspan(node.first_merge, node.merge_count);
   }
-  [[nodiscard]] const LargeVector<Triangle>& wedge_triangles() const { return corners.empty() ? triangles : corners; }
+  [[nodiscard]] const UninitializedVector<Triangle>& wedge_triangles() const {
+    return corners.empty() ? triangles : corners;
+  }
   [[nodiscard]] std::span<const Triangle> triangles_of(const NodeDraft& node) const {
     return std::span<const Triangle>(triangles).subspan(node.first_triangle, node.triangle_count);
   }

@@ -149,7 +149,7 @@ NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options,
       boxes_(mesh_.vertex_count()),
       locked_(mesh_.vertex_count(), 0),
       lost_(mesh_.vertex_count(), 0) {
-  const LargeVector<glm::vec3>& positions = mesh_.positions;
+  const auto& positions = mesh_.positions;
   for_each_id(boxes_.size(), threads, [&](VertexId v) { boxes_[v] = {positions[v], positions[v]}; });
 }
 

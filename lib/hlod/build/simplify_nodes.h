@@ -59,7 +59,8 @@ class NodeSimplifier {
   LargeVector<AddedWedge> added_;
   LargeVector<GrownBox> grown_;
   // The next three arrays are indexed by vertex of the input mesh.
-  LargeVector<Box> boxes_;  // around the level-0 vertices that were merged into it, and vanished triangles beside it
+  UninitializedVector<Box>
+      boxes_;  // around the level-0 vertices that were merged into it, and vanished triangles beside it
   // Is 1, with locked borders, if several nodes of the level share the vertex or `lost_` is 1.
   LargeVector<std::uint8_t> locked_;
   // Is 1 once a node that had locked the vertex no longer has it as a corner: it stays locked for ever.

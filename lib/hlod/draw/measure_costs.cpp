@@ -40,7 +40,7 @@ Hlod one_node(std::uint16_t cells) {
   node.vertices = static_cast<std::uint32_t>(positions.size());
   node.patches = 1;
   const MeshLayout layout(node, {});
-  data.meshes.resize((layout.bytes + mesh_alignment - 1) / mesh_alignment * mesh_alignment);
+  data.meshes.assign((layout.bytes + mesh_alignment - 1) / mesh_alignment * mesh_alignment, std::byte{0});
   std::memcpy(data.meshes.data(), positions.data(), positions.size() * sizeof(glm::vec3));
   std::memcpy(data.meshes.data() + layout.indices, indices.data(), indices.size() * sizeof(std::uint16_t));
   std::memset(data.meshes.data() + layout.merged_into, 0xff,

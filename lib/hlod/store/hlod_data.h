@@ -21,7 +21,7 @@ struct HlodData {
   std::vector<NodeId> children;
   std::vector<NodeId> roots;
   std::vector<Level> levels;
-  LargeVector<std::byte> meshes;
+  UninitializedVector<std::byte> meshes;  // whose nodes several threads fill; bytes between arrays are 0
   Box box;
   std::uint64_t input_triangle_count = 0;
   Grouping grouping = Grouping::shifted;
