@@ -26,6 +26,9 @@ done
 scripts/build.sh web "${fetched[@]}"
 
 cp -r packaging/npm/occlod/{bin,calls.js,index.js,index.d.ts,hlod.js,hlod.d.ts,package.json,README.md} LICENSE "$package"
+node -e 'const { brotliCompressSync } = require("zlib"), fs = require("fs"), [from, to] = process.argv.slice(1);
+  fs.writeFileSync(to, brotliCompressSync(fs.readFileSync(from)))' build/web/command_line/occlod.{wasm,wasm.br}
+cp build/web/command_line/occlod.{js,wasm.br} "$package/wasm"
 npm pack --silent --pack-destination build/npm "./$package" >/dev/null
 three=build/web/three
 rm -rf "$three"

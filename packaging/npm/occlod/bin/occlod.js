@@ -1,5 +1,8 @@
 #!/usr/bin/env node
-// The command line.
+// The command line. Its WebAssembly is packed by Brotli: what pages load is not.
+import { readFileSync } from "node:fs";
+import { brotliDecompressSync } from "node:zlib";
 import start from "../wasm/occlod.js";
 
-await start({ arguments: process.argv.slice(2) });
+const packed = readFileSync(new URL("../wasm/occlod.wasm.br", import.meta.url));
+await start({ arguments: process.argv.slice(2), wasmBinary: brotliDecompressSync(packed) });
