@@ -151,6 +151,7 @@ const plant = {
   cameras: { default: { eye: [1, 6.8, 7.2], target: [11, 6.8, 7.2], up: [0, 0, 1] } },
   paths: {
     run: {
+      frames: 41,
       keys: [
         { eye: [1, 6.8, 7.2], target: [6, 6.8, 7.2], up: [0, 0, 1], near: 0.05, far: 200 },
         { eye: [16, 6.8, 7.2], target: [21, 6.8, 7.2], up: [0, 0, 1], near: 0.05, far: 200 },
