@@ -74,11 +74,15 @@ class Drawn {
   }
 }
 
-// A colour for each tile, so that one that is missing shows.
+// A colour for each tile, so that one that is missing shows; and a place in the order of drawing, which decides between
+// surfaces of equal depth: else that in which tiles were loaded does.
 function paint(scene, uri) {
   let hash = 7;
   for (const letter of uri) hash = (hash * 31 + letter.charCodeAt(0)) >>> 0;
-  scene.traverse(({ material }) => material?.color.setHSL(((hash * 0.618) % 1 + 1) % 1, 0.6, 0.6));
+  scene.traverse((object) => {
+    object.renderOrder = hash;
+    object.material?.color.setHSL(((hash * 0.618) % 1 + 1) % 1, 0.6, 0.6);
+  });
 }
 
 function place(camera, at) {

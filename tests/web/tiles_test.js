@@ -34,7 +34,8 @@ first(async () => {
   await new Promise((done) => server.once("listening", done));
   browser = await puppeteer.launch({
     executablePath: process.env.CHROMIUM,
-    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--force-device-scale-factor=1"],
+    // Mesa: SwiftShader leaves out single pixels along edges of triangles that it clips, through which hidden tiles show.
+    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--force-device-scale-factor=1"],
     protocolTimeout: 600000,
   });
   page = await browser.newPage();
