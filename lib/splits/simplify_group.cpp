@@ -102,13 +102,13 @@ float bound_of(const SimplifyState& state, const Triangle& t) {
 }
 
 // Lists the remaining faces.
-void list_faces(const SimplifyState& state, bool has_seams, GroupWedges& wedges, SimplifiedGroup& result) {
-  const bool has_bounds = state.keeps_collapses;
+void list_faces(const SimplifyState& state, bool has_seams, bool lists_bounds, GroupWedges& wedges,
+                SimplifiedGroup& result) {
   std::vector<StarFace> before;  // earlier faces at the same vertex
   VertexId v = no_id;
   for (const LevelFace& face : state.mesh.faces()) {
     result.triangles.push_back(face.corners);
-    if (has_bounds) result.bounds.push_back(face.made_by == no_id ? 0.0F : bound_of(state, face.corners));
+    if (lists_bounds) result.bounds.push_back(face.made_by == no_id ? 0.0F : bound_of(state, face.corners));
     if (!has_seams) continue;
     if (face.corners.x != v) before.clear();
     v = face.corners.x;
@@ -163,7 +163,7 @@ SimplifiedGroup simplify_group(const TriangleMesh& mesh, std::span<const std::ui
                             .keeps_attributes = has_seams || target.attribute_weight > 0.0,
                             .attribute_weight = target.attribute_weight,
                             .keeps_wedge_merges = has_seams,
-                            .keeps_collapses = target.keeps_bounds || target.keeps_collapses};
+                            .keeps_collapses = target.keeps_bounds || target.lists_bounds || target.keeps_collapses};
   SimplifyState state(mesh, setup, ProgressPart{progress});
   std::vector<VertexId> all(mesh.vertex_count());
   std::iota(all.begin(), all.end(), 0U);
@@ -196,7 +196,7 @@ SimplifiedGroup simplify_group(const TriangleMesh& mesh, std::span<const std::ui
   }
   result.cost = record.largest_cost;
   for (const float rank : record.ranks) result.cost = std::max(result.cost, rank);
-  list_faces(state, has_seams, wedges, result);
+  list_faces(state, has_seams, target.lists_bounds, wedges, result);
   result.merged_into = wedges.final_targets();
   if (target.keeps_collapses && !wedges.is_split())
     result.collapses = saturated(collapses, errors, wedges, mesh.vertex_count());

@@ -20,8 +20,9 @@ struct GroupTarget {
   std::size_t min_triangles = 0;                       // ends when at most this many are left
   bool keeps_collapses = false;                        // whether SimplifiedGroup::collapses is wanted
   double attribute_weight = 0.0;                       // as in BuildOptions; 0: attributes do not count
-  // Whether guaranteed_error and bounds are wanted. Without them and collapses, simplifying takes a third less time.
+  // Whether guaranteed_error is wanted. Without it, bounds and collapses, simplifying takes a third less time.
   bool keeps_bounds = true;
+  bool lists_bounds = false;  // whether SimplifiedGroup::bounds are wanted
 };
 
 // Records that wedge v was merged into u. All wedges of a vertex are merged together, listed one after the other.
@@ -46,8 +47,9 @@ struct SimplifiedGroup {
   std::vector<WedgeId> merged_into;  // per wedge: the wedge it ended up in; itself if not merged
   float error = 0.0F;                // largest error of a collapse, object units: quadric error or attribute deviation
   float guaranteed_error = 0.0F;     // bound on the distance of every remaining triangle from the input, object units
-  std::vector<float> bounds;         // per triangle: no point of it is farther from the input, object units
-  float cost = 0.0F;                 // of the most expensive collapse, for GroupTarget::max_cost
+  // Per triangle: no point of it is farther from the input, object units. Filled only on request.
+  std::vector<float> bounds;
+  float cost = 0.0F;  // of the most expensive collapse, for GroupTarget::max_cost
   // Lists collapses by descending error, each before those on which it depends: the others stay valid without the first
   // k. Filled only on request, and empty where corners with one wedge went to several: no such list could undo that.
   std::vector<GroupCollapse> collapses;

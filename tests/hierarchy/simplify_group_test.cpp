@@ -95,6 +95,15 @@ TEST(SimplifyGroup, CollapsesLeadToTheResultInAnyPartOfTheirOrder) {
        {test::noisy_sphere(4, 3), test::grid(20, 20), test::moebius(40), test::book(7), test::many_tetrahedra(20)}) {
     GroupTarget target = target_for(mesh, mesh.triangle_count() / 10);
     EXPECT_TRUE(simplify_group(mesh, {}, target).collapses.empty()) << "not wanted";
+    EXPECT_TRUE(simplify_group(mesh, {}, target).bounds.empty()) << "not wanted";
+    target.lists_bounds = true;
+    const SimplifiedGroup bounded = simplify_group(mesh, {}, target);
+    EXPECT_EQ(bounded.bounds.size(), bounded.triangles.size());
+    target.lists_bounds = target.keeps_bounds = false;
+    const SimplifiedGroup bare = simplify_group(mesh, {}, target);
+    EXPECT_EQ(bare.triangles, bounded.triangles);
+    EXPECT_EQ(bare.cost, bounded.cost);
+    target.keeps_bounds = true;
     target.keeps_collapses = true;
     const SimplifiedGroup group = simplify_group(mesh, {}, target);
     // From fine to coarse: what a vertex is merged into is still there, and errors ascend to the largest.

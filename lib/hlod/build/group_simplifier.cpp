@@ -17,12 +17,16 @@ std::array<std::uint32_t, 3> sorted(const Triangle& t) {
   return corners;
 }
 
-SimplifiedGroup simplify(const GroupInput& group, const GroupRules& rules) {
+GroupTarget target_of(const GroupInput& group, const GroupRules& rules) {
   const double least = static_cast<double>(rules.least_share) * static_cast<double>(group.mesh.triangle_count());
-  return simplify_group(
-      group.mesh, group.locked,
-      {rules.scale, build_weights.boundary, rules.max_cost, static_cast<std::size_t>(least), rules.keeps_splits != 0,
-       build_weights.attributes, rules.keeps_bounds != 0 || rules.measures != 0});
+  return {.scale = rules.scale,
+          .boundary_weight = build_weights.boundary,
+          .max_cost = rules.max_cost,
+          .min_triangles = static_cast<std::size_t>(least),
+          .keeps_collapses = rules.keeps_splits != 0,
+          .attribute_weight = build_weights.attributes,
+          .keeps_bounds = rules.keeps_bounds != 0,
+          .lists_bounds = rules.measures != 0};
 }
 
 Box box_of(std::span<const Box> boxes) {
@@ -33,11 +37,15 @@ Box box_of(std::span<const Box> boxes) {
 
 }  // namespace
 
-float GroupSimplifier::cost_of(const GroupInput& group, const GroupRules& rules) { return simplify(group, rules).cost; }
+float GroupSimplifier::cost_of(const GroupInput& group, const GroupRules& rules) {
+  GroupTarget target = target_of(group, rules);
+  target.keeps_collapses = target.keeps_bounds = target.lists_bounds = false;
+  return simplify_group(group.mesh, group.locked, target).cost;
+}
 
 SimplifiedNode GroupSimplifier::run(const GroupInput& group, const GroupRules& rules) {
   group_ = &group;
-  simplified_ = simplify(group, rules);
+  simplified_ = simplify_group(group.mesh, group.locked, target_of(group, rules));
   SimplifiedNode result;
   result.error = simplified_.error;
   result.guaranteed_error =

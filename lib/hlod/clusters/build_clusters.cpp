@@ -66,7 +66,8 @@ class ClusterBuilder {
 
   ClusterLod run() {
     progress_.reach(0.0);
-    LevelDraft level = input_level(mesh_, {UninitializedVector<std::uint32_t>(mesh_.triangles.size(), 0U), 1}, threads_);
+    LevelDraft level =
+        input_level(mesh_, {UninitializedVector<std::uint32_t>(mesh_.triangles.size(), 0U), 1}, threads_);
     lod_.input_triangles = level.triangles.size();
     while (level.triangles.size() > options_.max_triangles) {
       LevelDraft above = level_above(level);
