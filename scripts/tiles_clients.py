@@ -4,6 +4,7 @@ tiles_clients.py --occlod FILE --modules FOLDER --out FOLDER SCENE.json [--paths
 import argparse
 import base64
 import json
+import math
 import pathlib
 import struct
 import subprocess
@@ -68,7 +69,8 @@ class Run:
         """The keys of the paths, and a scene that jumps from one to the next."""
         scene = json.loads(pathlib.Path(self.options.scene).read_text())
         keys = [key for path in self.options.paths.split(",") for key in scene["paths"][path]["keys"]][: self.options.frames]
-        keys = [{"up": [0, 1, 0], "fov_y_deg": 60, **key} for key in keys]
+        # Clients draw to any distance: so far that nothing of ours is cut off.
+        keys = [{"up": [0, 1, 0], "fov_y_deg": 60, "far": 100 * math.dist(key["eye"], key["target"]), **key} for key in keys]
         (self.out / "cameras.json").write_text(json.dumps({"cameras": keys}))
         jumps = {**scene, "paths": {"keys": {"frames": len(keys), "jump": True, "keys": keys}}}
         beside = pathlib.Path(self.options.scene).resolve().parent
