@@ -82,7 +82,7 @@ std::filesystem::path write_sheet(const Folder& folder, const std::string& name,
   mesh.triangle_materials.assign(mesh.triangles.size(), 0);
   hlod::HlodBuildOptions options;
   options.node_triangles = 256;
-  write_ohlod(folder.path(name), hlod::build_hlod(mesh, options), {}, OlodCompression::zstd, {}, images);
+  write_ohlod(folder.path(name), hlod::build_hlod(mesh, options), {}, {.images = images});
   return folder.path(name);
 }
 
