@@ -44,8 +44,10 @@ class PartMaker {
     if (hlod_.node(n).triangles == 0) return part;
     TriangleMesh mesh = textured_mesh(hlod_, n);
     const double mean = tiles::shown_texels(mesh, sources_).mean_size;
-    const tiles::TileImage image =
-        make_tile_image(mesh, sources_, texel_size_of(hlod_.node(n), hlod_.node(n).error, mean));
+    // The lesser of both errors, since tilesets refine by guaranteed ones.
+    const Node& node = hlod_.node(n);
+    const double error = std::min(node.error, node.guaranteed_error);
+    const tiles::TileImage image = make_tile_image(mesh, sources_, texel_size_of(node, error, mean));
     if (image.width == 0) return part;
     part.texel_size = image.texel_size;
     std::vector<glm::u16vec2> coordinates;
