@@ -26,7 +26,7 @@ class NodeCodecTest : public ::testing::Test {
     data_.nodes[0].vertices = vertices;
     data_.nodes[0].triangles = triangles;
     data_.within = {{0, 300, 20, triangles, 0}};
-    data_.meshes.resize(hlod::align_mesh(mesh_layout().bytes));
+    data_.meshes.assign(hlod::align_mesh(mesh_layout().bytes), std::byte{0});
     data_.splits.resize(hlod::align_mesh(splits_layout().bytes));
   }
 

@@ -111,8 +111,9 @@ class Maker {
   void store(Node& node, const PanelMesh& mesh) {
     const hlod::MeshLayout layout(node, {});
     node.mesh = data_.meshes.size();
-    data_.meshes.resize(node.mesh +
-                        (layout.bytes + hlod::mesh_alignment - 1) / hlod::mesh_alignment * hlod::mesh_alignment);
+    data_.meshes.resize(
+        node.mesh + (layout.bytes + hlod::mesh_alignment - 1) / hlod::mesh_alignment * hlod::mesh_alignment,
+        std::byte{0});
     std::byte* const bytes = data_.meshes.data() + node.mesh;
     const auto copy = [&](std::size_t offset, const auto& values) {
       std::memcpy(bytes + offset, values.data(), values.size() * sizeof(values[0]));

@@ -278,7 +278,7 @@ class Tileset(ToolTest):
 
 
 class OneCommand(ToolTest):
-    """`occlod tiles` of meshes writes the bytes of `occlod tiles` of their HLOD."""
+    """`occlod tiles` of meshes writes the bytes of `occlod tiles` of their HLOD, but for images that the HLOD has for its nodes."""
 
     gltf = Tileset.gltf
 
@@ -311,10 +311,11 @@ class OneCommand(ToolTest):
         again = self.json_of("tiles", "two.ohlod", "-o", "again", "--skirts")
         self.assertEqual(self.files_of("again"), self.files_of("one"))
         self.assertEqual((again["triangles"], "build_ms" in again), (told["triangles"], False))
-        for option, value in (("--memory", "64M"), ("--node-triangles", 64)):
-            done = self.run_tool("tiles", "two.ohlod", "-o", "bad", option, value)
-            self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
-            self.assertIn(f"{option}: goes with meshes only", done.stderr)
+        self.succeed("tiles", "two.ohlod", "-o", "limited", "--skirts", "--memory", "64M")
+        self.assertEqual(self.files_of("limited"), self.files_of("one"))
+        done = self.run_tool("tiles", "two.ohlod", "-o", "bad", "--node-triangles", 64)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+        self.assertIn("--node-triangles: goes with meshes only", done.stderr)
         self.succeed("hlod", "build", "planet.ply", "-o", "shifted.ohlod")
         self.assertIn("shifted.ohlod: has shifted groups", self.failure_of("tiles", "shifted.ohlod", "-o", "bad"))
         self.assertFalse((self.folder / "bad").exists())
@@ -348,14 +349,19 @@ class OneCommand(ToolTest):
         rows = b"".join(b"\0" + bytes(x * y % 251 for x in range(size)) for y in range(size))
         (self.folder / "paper.png").write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", size, size, 8, 0, 0, 0, 0)) +
                                                 chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+        build = ["--node-triangles", 256]
+        self.succeed("hlod", "build", "sheet.obj", "-o", "sheet.ohlod", "--grouping", "nested", "--borders", "free", "--error-bound", "measured", *build)
         for options in ([], ["--texture-format", "jpeg"], ["--quantise", 14, "--skirts"]):
-            told = self.assert_as_by_two(["sheet.obj"], ["--node-triangles", 256], options)
+            told = self.json_of("tiles", "sheet.obj", "-o", "one", "--replace", *build, *options)
+            of_nodes = self.json_of("tiles", "sheet.ohlod", "-o", "two", "--replace", *options)
             self.assertEqual((told["images_left_out"], told["images_shared"], told["source_texels"]), ([], [], size * size))
-            self.assertFalse((self.folder / "one/textures").exists())
-            contents = [self.gltf(path) for path in (self.folder / "one/tiles").rglob("*.glb")]
-            self.assertEqual({image["mimeType"] for gltf in contents for image in gltf["images"]}, {"image/jpeg" if "jpeg" in options else "image/png"})
-            self.assertEqual([len(gltf["images"]) for gltf in contents], [1] * told["tiles"])
-            self.assertLess(told["texture_bytes"], told["content_bytes"])
+            for one, folder in ((told, self.folder / "one"), (of_nodes, self.folder / "two")):
+                self.assertEqual(one["tiles"], tileset_check.check(folder)["contents"])
+                self.assertFalse((folder / "textures").exists())
+                contents = [self.gltf(path) for path in (folder / "tiles").rglob("*.glb")]
+                self.assertEqual({image["mimeType"] for gltf in contents for image in gltf["images"]}, {"image/jpeg" if "jpeg" in options else "image/png"})
+                self.assertEqual([len(gltf["images"]) for gltf in contents], [1] * one["tiles"])
+                self.assertLess(one["texture_bytes"], one["content_bytes"])
         self.succeed("tiles", "sheet.obj", "-o", "limited", "--node-triangles", 256, *options, "--memory", "64M", "--threads", 1)
         self.assertEqual(self.files_of("limited"), self.files_of("one"))
 

@@ -132,7 +132,7 @@ enum class OhlodImages {
 struct OhlodOptions {
   // With compression meshes and splits of nodes take about half their bytes, none of them lost, node by node.
   OlodCompression compression = OlodCompression::zstd;
-  OhlodImages images = OhlodImages::named;
+  OhlodImages images = OhlodImages::named;  // what becomes of images
   std::filesystem::path image_folder = {};  // as for write_olod()
   int threads = 0;                          // in [0, 1024]; 0: one for each core. The result does not depend on it
   // Called now and then with the share of images that are made, in [0, 1]. What it throws ends the writing, and leaves
