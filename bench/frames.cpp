@@ -97,10 +97,11 @@ class Sight {
   [[nodiscard]] Visibility& backend() {
     return subject_.occlusion == Occlusion::none ? static_cast<Visibility&>(none_) : *software_;
   }
-  // Shows the backend the frame, if the subject wants that. The time counts, but not that of drawing.
+  // Shows the backend the frame, if the subject wants that. The time counts, but not that of drawing; one thread draws,
+  // as others, which go on to wait for work, would count in what is timed next.
   void show(const Refinement& frame, const View& view, FrameLog& log) {
     if (subject_.occlusion != Occlusion::picture) return;
-    draw_items(items_, tool::draw_objects(*subject_.objects, frame), view);
+    draw_items(items_, tool::draw_objects(*subject_.objects, frame), view, 1);
     const FrameTimer timer;
     software_->show(items_.depth);
     const FrameTime time = timer.elapsed();
@@ -154,7 +155,7 @@ class PathComparison {
          {std::tuple(&scratch, &result_.scratch_shares, &result_.scratch_rms_px),
           std::tuple(&frame, &result_.frame_shares, &result_.frame_rms_px)}) {
       const std::vector<DrawObject> drawn = tool::draw_objects(*subject_.objects, *refinement);
-      draw_items(items_, drawn, view);
+      draw_items(items_, drawn, view, 1);
       shares->push_back(visible_share(items_, *refinement));
       depth_rms_px->push_back(full.distance_to(items_, drawn).depth_rms_px);
     }

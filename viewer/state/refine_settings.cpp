@@ -25,7 +25,8 @@ std::vector<Setting> view_settings() {
           {0.0, 16.0, false, "px"}, [](auto& s) -> auto& { return s.refine.tolerance_px; }),
       choice(
           {"occlusion", "Occlusion",
-           "Backend of occlusion queries. picture: frame to frame, the picture before is the occluder; auto: picks the culling techniques that pay off in each view; "
+           "Backend of occlusion queries. picture: frame to frame, the picture before is the occluder; auto: picks the "
+           "culling techniques that pay off in each view; "
            "Occluder after and Final check then have no effect"},
           {"none", "software", "picture", "gl-query", "auto"}, [](auto& s) -> auto& { return s.occlusion; }),
       choice(
