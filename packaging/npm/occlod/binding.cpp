@@ -81,7 +81,7 @@ void embed_images(TriangleMesh& mesh) {
     auto image = texture.bytes.empty() ? read_image(texture, ".") : std::nullopt;
     if (!image) continue;
     texture.mime_type = image_type(*image, texture.file);
-    texture.bytes = *std::move(image);
+    texture.bytes.assign(image->begin(), image->end());
     texture.file.clear();
   }
 }
