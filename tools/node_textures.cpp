@@ -2,16 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "hlod/texture/image_place.h"
 #include "node_image.h"
 #include "occlod/base.h"
 #include "standard_streams.h"
 
 namespace occlod::tool {
-namespace {
-
-constexpr float coordinate_end = 65535.0F;
-
-}  // namespace
 
 std::vector<ObjectTexture> NodeTextures::of(const FrontMesh& front) {
   std::vector<ObjectTexture> result;
@@ -52,8 +48,7 @@ NodeTextures::Own NodeTextures::decoded(const LaidObject& laid) const {
   for (std::size_t m = 0; m < own.materials.size(); ++m)
     if (view.image_materials[m] != 0) own.materials[m].image = own.image.get();
   for (std::size_t v = 0; v < own.coordinates.size(); ++v)
-    if (view.image_materials[laid.materials.empty() ? 0 : laid.materials[v]] != 0)
-      own.coordinates[v] = glm::vec2(laid.mesh.image_coordinates[v]) / coordinate_end;
+    own.coordinates[v] = hlod::image_place(view, laid.mesh, v).value_or(own.coordinates[v]);
   return own;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "front_mesh.h"
+#include "hlod/texture/image_place.h"
 #include "occlod/build_hlod.h"
 #include "occlod/hlod.h"
 #include "palette.h"
@@ -30,14 +31,10 @@ void append_attributes(FrontObject& to, const hlod::DrawnNode& draw, const hlod:
 void append_image_coordinates(FrontObject& to, const hlod::DrawnNode& draw, const hlod::Hlod& hlod) {
   const hlod::HlodView& view = hlod.data();
   if (view.node_images.empty()) return;
-  constexpr float end = 65535.0F;
   const hlod::NodeMesh mesh = hlod.mesh(draw.node);
   const bool has_image = draw.splits == 0 && !mesh.image.empty();
-  for (std::size_t v = 0; has_image && v < mesh.positions.size(); ++v) {
-    const MaterialId material = mesh.materials.empty() ? MaterialId{0} : mesh.materials[v];
-    to.image_coordinates.push_back(view.image_materials[material] != 0 ? glm::vec2(mesh.image_coordinates[v]) / end
-                                                                       : glm::vec2(-1.0F));
-  }
+  for (std::size_t v = 0; has_image && v < mesh.positions.size(); ++v)
+    to.image_coordinates.push_back(hlod::image_place(view, mesh, v).value_or(glm::vec2(-1.0F)));
   to.image_coordinates.resize(to.positions.size(), glm::vec2(-1.0F));
 }
 

@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 #include "base/disjoint_sets.h"
+#include "hlod/texture/image_place.h"
 #include "mesh/wedges.h"
 #include "occlod/base.h"
 #include "occlod/mesh.h"
@@ -263,9 +265,8 @@ std::vector<FeatureId> take_features(TriangleMesh& mesh, std::span<const hlod::F
 // Replaces the texture coordinates of vertices that show the node's own image by their places in it.
 void lead_to_own_image(std::vector<glm::vec2>& coordinates, const hlod::HlodView& view, const hlod::NodeMesh& node) {
   for (std::size_t v = 0; v < coordinates.size(); ++v) {
-    if (view.image_materials[node.materials.empty() ? MaterialId{0} : node.materials[v]] == 0) continue;
-    const glm::vec2 place = glm::vec2(node.image_coordinates[v]) / 65535.0F;
-    coordinates[v] = {place.x, view.texture_origin == TextureOrigin::top_left ? place.y : 1.0F - place.y};
+    const std::optional<glm::vec2> place = hlod::image_place(view, node, v);
+    if (place) coordinates[v] = {place->x, view.texture_origin == TextureOrigin::top_left ? place->y : 1.0F - place->y};
   }
 }
 
