@@ -43,8 +43,16 @@ for (const [index, camera] of cameras.entries()) {
     const counts = tileset.statistics;
     const texels = (length) => length / 4;  // it counts no smaller sizes
     const clicked = at.click && Cesium.SceneTransforms.worldToWindowCoordinates(viewer.scene, point(at.click));
-    const shown = tileset._selectedTiles.reduce((sum, tile) => sum + tile.content.texturesByteLength, 0);
-    return { clicked, texels: texels(shown), resident_texels: texels(counts.texturesByteLength), triangles: counts.numberOfTrianglesSelected, tiles: counts.selected, ms: performance.now() - begin };
+    // Texels of tiles that are drawn, of those above them, of others that the client needs to refine those, and of those that it keeps from before.
+    const held = { drawn: 0, above: 0, beside: 0, before: 0 }, selected = new Set(tileset._selectedTiles);
+    const hold = (tile) => {
+      const isAbove = tile.children.map(hold).includes(true);  // of all
+      const kind = selected.has(tile) ? "drawn" : isAbove ? "above" : tile._touchedFrame === viewer.scene.frameState.frameNumber ? "beside" : "before";
+      held[kind] += texels(tile.content?.texturesByteLength ?? 0);
+      return isAbove || kind === "drawn";
+    };
+    hold(tileset.root);
+    return { clicked, texels: held.drawn, held, resident_texels: texels(counts.texturesByteLength), triangles: counts.numberOfTrianglesSelected, tiles: counts.selected, ms: performance.now() - begin };
   }, camera));
   const row = rows.at(-1);
   if (row.clicked) {
