@@ -26,6 +26,7 @@ cd build/web/tests
 npm install --silent --no-save --no-audit --no-fund "$OCCLOD_PACKAGE" "$OCCLOD_THREE" || skip "the packages of tests/web cannot be installed"
 node --test package_test.js
 node --test page_test.js
+node --test ktx2_test.js
 node --test hlod_test.js
 node --test three_test.js
 node --test tiles_test.js
