@@ -6,6 +6,7 @@ import base64
 import json
 import math
 import pathlib
+import shutil
 import struct
 import subprocess
 import sys
@@ -62,6 +63,7 @@ class Run:
         folder.mkdir(exist_ok=True)
         for source in [*CLIENTS.glob("*.js"), *CLIENTS.glob("*.html"), CLIENTS / "package.json"]:
             (folder / source.name).write_text(source.read_text())
+        shutil.copytree(ROOT / "packaging/npm/occlod/bin", folder / "bin", dirs_exist_ok=True)
         if not (folder / "node_modules").exists():
             (folder / "node_modules").symlink_to(pathlib.Path(self.options.modules).resolve())
 
@@ -90,19 +92,26 @@ class Run:
             told = self.occlod("tiles", self.out / "nested.ohlod", "-o", self.out / name, *options, "--replace", "--json")
             self.table["exports"][name] = told
             say(f"{name:12} {told['tiles']:8} {told['triangles']:11} {told['content_bytes']:14} {told['bytes']:12} {told['bytes_per_triangle']:13.2f} {told['write_ms']:8.0f}")
+        self.names = list(EXPORTS)
+        if self.table["exports"]["meshopt"]["texels"] > 0:
+            shutil.rmtree(self.out / "ktx2", ignore_errors=True)
+            told = json.loads(self.node("bin/occlod.js", "ktx2", self.out / "meshopt", "-o", self.out / "ktx2", "--json"))
+            self.table["ktx2"] = told
+            self.names.append("ktx2")
+            say(f"ktx2: {told['images']} images, {told['texels']} texels, {told['before']} bytes before, {told['after']} after")
         for name in ("nested", "shifted"):
             self.table[name] = self.occlod("hlod", "info", self.out / f"{name}.ohlod", "--json")
             say(f"{name + '.ohlod':36} {'':14} {self.table[name]['file_bytes']:9} {self.table[name]['file_bytes'] / self.table[name]['triangles']:13.2f}")
 
     def check(self):
         say("\nstrict checker")
-        for name in EXPORTS:
+        for name in self.names:
             done = subprocess.run([sys.executable, ROOT / "tests/tools/tileset_check.py", self.out / name, "--json"], capture_output=True, text=True, check=False)
             say(f"{name:12} {done.stdout.strip() or done.stderr.strip()}")
             if done.returncode != 0:
                 self.failures.append(f"tileset_check.py: {done.stderr.strip()}")
         say("\nglTF validator")
-        say(self.node("validate.js", *(self.out / name for name in EXPORTS)))
+        say(self.node("validate.js", *(self.out / name for name in self.names)))
 
     def client(self, program, export, *arguments):
         arguments = [*arguments, *([] if "--cameras" in arguments else ["--cameras", self.out / "cameras.json"]), "--error", self.options.error, "--size", self.options.size,
@@ -118,7 +127,9 @@ class Run:
 
     def clients(self):
         say(f"\n{'client':34} {'triangles':>11} {'tiles':>8} {'texels':>10} {'resident':>10} {'failed':>7}   means of all cameras, {self.options.error} px")
-        for program, export in (("cesium", "meshopt"), ("cesium", "earth"), ("three", "plain"), ("three", "meshopt")):
+        for program, export in (("cesium", "meshopt"), ("cesium", "earth"), ("three", "plain"), ("three", "meshopt"), ("cesium", "ktx2")):
+            if export not in self.names:
+                continue
             text = self.client(program, export)
             if not text:
                 continue

@@ -9,6 +9,8 @@ const contents = (folder) => readdirSync(folder, { withFileTypes: true }).flatMa
   return entry.isDirectory() ? contents(path) : entry.name.endsWith(".glb") ? [path] : [];
 });
 
+// The validator knows no KTX2; tileset_check.py does.
+const KTX2 = { VALUE_NOT_IN_LIST: 2, IMAGE_UNRECOGNIZED_FORMAT: 2 };
 const kinds = ["error", "warning", "info", "hint"];
 let wrong = 0;
 for (const folder of process.argv.slice(2)) {
@@ -16,8 +18,10 @@ for (const folder of process.argv.slice(2)) {
   const messages = new Map();
   const files = contents(folder);
   for (const file of files) {
-    const report = await validator.validateBytes(new Uint8Array(readFileSync(file)), {
+    const bytes = readFileSync(file);
+    const report = await validator.validateBytes(new Uint8Array(bytes), {
       maxIssues: 0,
+      severityOverrides: bytes.includes("KHR_texture_basisu") ? KTX2 : {},
       externalResourceFunction: (uri) => Promise.resolve(new Uint8Array(readFileSync(join(dirname(file), decodeURIComponent(uri))))),
     });
     const { numErrors, numWarnings, numInfos, numHints, messages: found } = report.issues;

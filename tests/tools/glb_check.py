@@ -149,7 +149,7 @@ class Glb:
             texture.object(["sampler"], ["source", "extensions"])["sampler"].index_in(samplers, "a sampler")
             texture.require(("source" in texture) != ("extensions" in texture), "has no image, or two")
             image = self.source_of(texture).index_in(images, "an image")
-            needed = [IMAGES[image["mimeType"].value]] if "mimeType" in image and "uri" in image else []
+            needed = [IMAGES[image["mimeType"].value]] if "mimeType" in image and image["mimeType"].value in IMAGES else []
             texture.require(list(texture["extensions"].value if "extensions" in texture else []) == needed, "has not the extension of its image")
         for material in self.materials:
             self.check_material(material, textures)
@@ -161,10 +161,14 @@ class Glb:
     def check_own_image(self, image):
         view = image["bufferView"].index_in(self.views, "a buffer view")
         image.require("target" not in view, "lies in a view of vertices or indices")
-        begin = self.bytes[view["byteOffset"].value:][:8]
-        kinds = {"image/png": b"\x89PNG\r\n\x1a\n", "image/jpeg": b"\xff\xd8"}
-        image["mimeType"].require(image["mimeType"].value in kinds, "is neither PNG nor JPEG")
+        begin = self.bytes[view["byteOffset"].value:][:48]
+        kinds = {"image/png": b"\x89PNG\r\n\x1a\n", "image/jpeg": b"\xff\xd8", "image/ktx2": b"\xabKTX 20\xbb\r\n\x1a\n"}
+        image["mimeType"].require(image["mimeType"].value in kinds, "is neither PNG nor JPEG nor KTX2")
         image.require(begin.startswith(kinds[image["mimeType"].value]), "has bytes of another type")
+        if image["mimeType"].value == "image/ktx2":
+            width, height, _, _, _, sizes, supercompression = struct.unpack("<7I", begin[20:48])
+            is_whole = width % 4 == 0 and height % 4 == 0 and sizes == max(width, height).bit_length()
+            image.require(is_whole and supercompression == 1, "has not whole blocks, all sizes and BasisLZ")
 
     @staticmethod
     def source_of(texture):

@@ -84,17 +84,23 @@ for (const kind of ["png", "packed"])
     assert.ok(psnr > 33, `${psnr} dB`);
   });
 
-test("the same bytes by any number of threads", () => {
-  assert.equal(ktx2("png", "-o", "one", "--threads", "1").status, 0);
-  assert.equal(ktx2("png", "-o", "two", "--threads", "2").status, 0);
-  for (const name of files("one")) assert.deepEqual(read("one", name), read("two", name));
+test("the same bytes by any number of threads, in archives too, which are valid", () => {
+  tiles("-o", "png.3tz", "--node-triangles", "512");
+  for (const [from, to, threads] of [["png", "one", 1], ["png", "two", 2], ["png.3tz", "one.3tz", 1], ["png.3tz", "two.3TZ", 3], ["png.3tz", "three", 2]]) {
+    const end = ktx2(from, "-o", to, "--threads", String(threads));
+    assert.equal(end.status, 0, end.stderr);
+  }
+  for (const name of files("one")) for (const other of ["two", "three"]) assert.deepEqual(read(other, name), read("one", name));
+  assert.deepEqual(read("two.3TZ"), read("one.3tz"));
+  for (const name of ["one", "one.3tz"]) execFileSync("python3", [path.join(process.env.OCCLOD_ROOT, "tests/tools/tileset_check.py"), path.join(folder, name)]);
 });
 
 test("mistakes are told in a line, and leave nothing", () => {
   fs.cpSync(path.join(folder, "png"), path.join(folder, "bad"), { recursive: true });
   fs.writeFileSync(path.join(folder, "bad/tiles/0/1.glb"), read("png/tiles/0/1.glb").subarray(0, 300));
+  fs.writeFileSync(path.join(folder, "bad.3tz"), read("png.3tz").subarray(0, 5000));
   const names = fs.readdirSync(folder).sort();
-  for (const [args, wanted] of [[["png", "-o", "bad"], /bad: is there already/], [["none", "-o", "x"], /none: has no tileset.json/], [["png"], /takes one tileset and -o OUT/],
+  for (const [args, wanted] of [[["png", "-o", "bad"], /bad: is there already/], [["none", "-o", "x"], /none: is not there/], [["sheet.png", "-o", "x"], /sheet.png: /], [["bad.3tz", "-o", "x.3tz"], /bad.3tz: is no archive/], [["png"], /takes one tileset and -o OUT/],
     [["png", "-o", "x", "--threads", "0"], /--threads 0 is no whole number/], [["png", "-o", "x", "--fast"], /--fast/], [["bad", "-o", "x"], /1\.glb: /], [["png", "-o", "png/x"], /lies in the tileset/]]) {
     const end = ktx2(...args);
     assert.equal(end.status, 2, end.stderr);
