@@ -110,7 +110,7 @@ def kill_again_and_again(command, folder, seconds, wanted, seed):
                 process.kill()
                 kills += 1
         kept = sum(file.stat().st_size for file in folder.glob("*.journal"))
-        print(f"kill {kills}: after {time.monotonic() - start:.0f} s in all, the journal has {kept / 1e6:.0f} MB", flush=True)
+        print(f"kill {kills}: after {time.monotonic() - start:.0f} s in all, journals have {kept / 1e6:.0f} MB", flush=True)
 
 
 def main():

@@ -44,6 +44,7 @@ struct Options {
 };
 
 std::string journal_of(const Options& options) { return options.output + ".journal"; }
+std::string images_journal_of(const Options& options) { return options.output + ".images.journal"; }
 
 hlod::HlodBuildOptions build_options(const Options& options, Progress& progress) {
   hlod::HlodBuildOptions build = options.build;
@@ -62,7 +63,9 @@ void check(const Options& options, CommandFiles& files) {
   files.add_output("--output", options.output, options.clusters > 0 ? ".glb" : ".ohlod");
   if (options.packing == (options.clusters > 0 ? Packing::zstd : Packing::meshopt))
     throw CLI::ValidationError("--compress", "meshopt and --clusters go together, as zstd and .ohlod do");
-  if (options.resume) files.add_output("--resume", journal_of(options));
+  if (options.resume)
+    for (const std::string& journal : {journal_of(options), images_journal_of(options)})
+      files.add_output("--resume", journal);
   if (options.memory && options.build.within == hlod::Within::splits)
     throw CLI::ValidationError("--memory", "goes with --within geomorph only: splits of all nodes are kept in memory");
 }
@@ -101,13 +104,15 @@ void run(const Options& options) {
   file.images = OhlodImages::nodes;
   file.image_folder = folder_of(options.inputs[0]);
   file.threads = options.build.threads;
+  if (options.resume) file.images_journal = images_journal_of(options);
   file.images_progress = [&](double done) {
     note_interrupts();
     progress.show("making images of " + options.output, done);
   };
   write_interruptibly(options.output, built.hlod.bytes(), progress,
                       [&] { write_ohlod(options.output, built.hlod, built.report, file); });
-  if (options.resume) remove_journal(journal_of(options));
+  if (options.resume)
+    for (const std::string& journal : {images_journal_of(options), journal_of(options)}) remove_journal(journal);
   if (options.build.within == hlod::Within::splits && !built.hlod.data().textures.empty())
     print_note("nodes have no images of their own, as without --within splits: pictures show those of the input");
   const double write_ms = stopwatch.milliseconds();
@@ -180,8 +185,8 @@ void add_hlod_build(CLI::App& hlod) {
       ->type_name("FOLDER")
       ->needs("--memory");
   command.add_flag("--resume", options->resume,
-                   "Keep finished nodes in OUTPUT.journal until the output is there. A build that was killed goes on "
-                   "from it when the same command runs again");
+                   "Keep finished nodes in OUTPUT.journal, and their images in OUTPUT.images.journal, until the output is "
+                   "there. A build that was killed goes on from them when the same command runs again");
   CLI::Option* const clusters =
       add_number(command, "--clusters", options->clusters, WholeRange{min_cluster_triangles, max_cluster_triangles},
                  "Make clusters of at most so many triangles and 256 vertices for other renderers, as meshoptimizer's "

@@ -25,10 +25,10 @@ constexpr const char* borders_names[] = {"free", "locked"};
 constexpr const char* within_names[] = {"geomorph", "splits"};
 constexpr const char* error_bound_names[] = {"accumulated", "measured"};
 
-// Returns the checksum of a header or a record's head, without its last member, which stores it.
+// Returns the checksum of a header, without its last member, which stores it.
 template <typename T>
-std::uint64_t checksum_of(const T& head, std::uint64_t seed) {
-  return XXH3_64bits_withSeed(&head, sizeof(head) - sizeof(head.checksum), seed);
+std::uint64_t checksum_of(const T& header) {
+  return XXH3_64bits(&header, sizeof(header) - sizeof(header.checksum));
 }
 
 // Calls visit(piece) for the pieces that are in memory at a time, of an array that may be larger.
@@ -82,13 +82,7 @@ void BuildJournal::refuse(std::string place, std::string problem, std::string re
 }
 
 void BuildJournal::open() {
-  try {
-    file_.emplace(path_.c_str());
-  } catch (const std::system_error& error) {
-    if (error.code() == std::errc::resource_unavailable_try_again)
-      refuse("", "another build uses it", "wait until that has ended");
-    refuse("", "cannot be opened: " + error.code().message(), "check its permissions");
-  }
+  records_.emplace(path_);
   read_header();
   if (found_) check(*found_);
 }
@@ -96,12 +90,11 @@ void BuildJournal::open() {
 // Reads the header into found_, if it is undamaged; otherwise no record of the journal can be trusted.
 void BuildJournal::read_header() {
   Header header;
-  const std::size_t size = std::min<std::uint64_t>(file_->size(), sizeof(header));
-  read(writable_bytes_of(header).first(size), 0);
+  const std::size_t size = records_->read_header(writable_bytes_of(header));
   if (!std::equal(magic.begin(), magic.begin() + static_cast<std::ptrdiff_t>(std::min(size, magic.size())),
                   header.magic.begin()))
     refuse("", "is not a journal of an HLOD build", "move it away");
-  if (size == sizeof(header) && header.checksum == checksum_of(header, 0)) found_ = header;
+  if (size == sizeof(header) && header.checksum == checksum_of(header)) found_ = header;
 }
 
 void BuildJournal::check(const Header& found) const {
@@ -125,57 +118,55 @@ void BuildJournal::check(const Header& found) const {
 
 void BuildJournal::begin(const WedgeMesh& mesh) {
   wanted_.mesh = hash_of(mesh);
-  wanted_.checksum = checksum_of(wanted_, 0);
-  if (!file_) open();
+  wanted_.checksum = checksum_of(wanted_);
+  if (!records_) open();
   if (found_ && found_->mesh != wanted_.mesh)
     refuse("", "is the journal of another mesh",
            "build the same input, with a memory limit or without as before, or remove the journal to start anew");
-  checksum_ = wanted_.checksum;
-  place_ = sizeof(Header);
-  if (found_) return;
-  cut(0);
-  write(bytes_of(wanted_));
+  if (found_)
+    records_->go_to({sizeof(Header), wanted_.checksum});
+  else
+    records_->restart(bytes_of(wanted_), wanted_.checksum);
 }
 
 bool BuildJournal::take(std::size_t triangles, TriangleGroups& groups) {
   if (all_taken_) return false;
-  const std::uint64_t place = place_, checksum = checksum_;
-  bool is_whole = read_record();
+  const JournalRecords::Place place = records_->place();
+  bool is_whole = records_->take(bytes_);
   if (is_whole) {
     assert(bytes_.size() == sizeof(groups.count));
     std::memcpy(&groups.count, bytes_.data(), sizeof(groups.count));
     groups.group_of.resize(triangles);
     for_each_piece(std::span(groups.group_of), [&](std::span<std::uint32_t> piece) {
-      is_whole = is_whole && read_record();
+      is_whole = is_whole && records_->take(bytes_);
       if (is_whole) std::ranges::copy(bytes_, std::as_writable_bytes(piece).begin());
     });
   }
   if (is_whole) return true;
-  place_ = place;
-  checksum_ = checksum;
+  records_->go_to(place);
   stop_taking();
   return false;
 }
 
 void BuildJournal::append(const TriangleGroups& groups) {
-  bytes_.resize(sizeof(RecordHead));
+  bytes_.resize(sizeof(JournalRecords::Head));
   put_bytes(bytes_, bytes_of(groups.count));
-  append_record();
+  records_->append(bytes_);
   for_each_piece(std::span(groups.group_of), [&](std::span<const std::uint32_t> piece) {
-    bytes_.resize(sizeof(RecordHead));
+    bytes_.resize(sizeof(JournalRecords::Head));
     put_bytes(bytes_, std::as_bytes(piece));
-    append_record();
+    records_->append(bytes_);
   });
 }
 
 void BuildJournal::stop_taking() {
   all_taken_ = true;
-  if (place_ < file_->size()) cut(place_);
+  records_->cut_rest();
 }
 
 bool BuildJournal::take(SimplifiedNode& node) {
   if (all_taken_) return false;
-  if (!read_record()) {
+  if (!records_->take(bytes_)) {
     stop_taking();
     return false;
   }
@@ -185,51 +176,10 @@ bool BuildJournal::take(SimplifiedNode& node) {
   return true;
 }
 
-// Reads the next record into bytes_. Returns false when it is not whole.
-bool BuildJournal::read_record() {
-  RecordHead head;
-  if (file_->size() - place_ < sizeof(head)) return false;
-  read(writable_bytes_of(head), place_);
-  if (head.checksum != checksum_of(head, checksum_)) return false;
-  if (file_->size() - place_ - sizeof(head) < head.bytes) return false;
-  bytes_.resize(head.bytes);
-  read(bytes_, place_ + sizeof(head));
-  if (head.body_checksum != XXH3_64bits(bytes_.data(), bytes_.size())) return false;
-  place_ += sizeof(head) + head.bytes;
-  checksum_ = head.checksum;
-  return true;
-}
-
 void BuildJournal::append(const SimplifiedNode& node) {
-  bytes_.resize(sizeof(RecordHead));
+  bytes_.resize(sizeof(JournalRecords::Head));
   put_node(bytes_, node);
-  append_record();
-}
-
-// Writes the record whose body is in bytes_, behind room for its head.
-void BuildJournal::append_record() {
-  RecordHead head;
-  head.bytes = bytes_.size() - sizeof(head);
-  head.body_checksum = XXH3_64bits(bytes_.data() + sizeof(head), head.bytes);
-  head.checksum = checksum_ = checksum_of(head, checksum_);
-  std::memcpy(bytes_.data(), &head, sizeof(head));
-  write(bytes_);
-}
-
-void BuildJournal::read(std::span<std::byte> bytes, std::uint64_t offset) const try {
-  file_->read(bytes, offset);
-} catch (const std::system_error& error) {
-  refuse("", "cannot be read: " + error.code().message(), "remove it to start anew");
-}
-
-void BuildJournal::write(std::span<const std::byte> bytes) try {
-  file_->append(bytes);
-} catch (const std::system_error& error) {
-  refuse("", "cannot be written: " + error.code().message(), "check the space on the disk");
-}
-
-void BuildJournal::cut(std::uint64_t size) try { file_->cut(size); } catch (const std::system_error& error) {
-  refuse("", "cannot be cut short: " + error.code().message(), "remove it to start anew");
+  records_->append(bytes_);
 }
 
 }  // namespace occlod::hlod

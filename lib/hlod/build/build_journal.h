@@ -6,13 +6,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "base/platform.h"
 #include "hlod/build/finish_level.h"
 #include "hlod/build/group_triangles.h"
+#include "hlod/build/journal_records.h"
 #include "hlod/build/level_draft.h"
 #include "occlod/build_hlod.h"
 
@@ -56,30 +55,16 @@ class BuildJournal {
   };
   static_assert(sizeof(Header) == 120);
 
-  // Precedes each node and each piece of groups.
-  struct RecordHead {
-    std::uint64_t bytes = 0;          // size of the body that follows this head
-    std::uint64_t body_checksum = 0;  // XXH3-64 of the body
-    std::uint64_t checksum = 0;       // of the fields above, seeded with the previous record's: this fixes the order
-  };
-
   void open();
   void read_header();
   void check(const Header& found) const;
-  [[nodiscard]] bool read_record();
-  void append_record();
   void stop_taking();
-  void read(std::span<std::byte> bytes, std::uint64_t offset) const;
-  void write(std::span<const std::byte> bytes);
-  void cut(std::uint64_t size);
   [[noreturn]] void refuse(std::string place, std::string problem, std::string remedy) const;
 
   std::filesystem::path path_;
   Header wanted_;  // header that this build writes or expects
-  std::optional<JournalFile> file_;
+  std::optional<JournalRecords> records_;
   std::optional<Header> found_;  // header in the file
-  std::uint64_t place_ = 0;      // offset of the next record to take
-  std::uint64_t checksum_ = 0;   // checksum of the last record taken or appended; at first that of the header
   bool all_taken_ = false;
   std::size_t taken_ = 0;
   std::vector<std::byte> bytes_;  // one record, with its head when it is appended

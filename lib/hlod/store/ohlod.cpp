@@ -134,7 +134,7 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
   hlod::HlodView view = hlod.data();
   hlod::OwnImages own;
   if (options.images == OhlodImages::nodes && view.node_images.empty() && view.within.empty())
-    own = make_own_images(hlod, options.image_folder, threads, options.images_progress);
+    own = make_own_images(hlod, options.image_folder, options.images_journal, threads, options.images_progress);
   if (!own.table.empty()) {
     view.nodes = own.nodes;
     view.node_images = own.table;

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <cstring>
 #include <glm/common.hpp>
+#include <optional>
 #include <utility>
 
 #include "base/threads.h"
 #include "hlod/store/hlod_data.h"
+#include "hlod/texture/image_journal.h"
 #include "hlod/tiles/tile_mesh.h"
 #include "mesh/section_file.h"
 
@@ -27,20 +29,14 @@ TriangleMesh textured_mesh(const Hlod& hlod, NodeId n) {
   return mesh;
 }
 
-// The coordinates of all vertices and the encoded image of a node; empty where it shows no divided image.
-struct Part {
-  std::vector<std::byte> bytes;
-  double texel_size = 0.0;
-};
-
 class PartMaker {
  public:
   PartMaker(const Hlod& hlod, const tiles::SourceTextures& sources)
       : hlod_(hlod), sources_(sources), format_(sources.usual_format()) {}
 
   // Any number of threads may call this.
-  [[nodiscard]] Part made(NodeId n) const {
-    Part part;
+  [[nodiscard]] ImagePart made(NodeId n) const {
+    ImagePart part;
     if (hlod_.node(n).triangles == 0) return part;
     TriangleMesh mesh = textured_mesh(hlod_, n);
     const double mean = tiles::shown_texels(mesh, sources_).mean_size;
@@ -78,7 +74,8 @@ double texel_size_of(const Node& node, double error, double mean) {
   return std::max(error, least);
 }
 
-OwnImages make_own_images(const Hlod& hlod, const std::filesystem::path& image_folder, unsigned threads,
+OwnImages make_own_images(const Hlod& hlod, const std::filesystem::path& image_folder,
+                          const std::filesystem::path& journal_path, unsigned threads,
                           const std::function<void(double)>& progress) {
   OwnImages images;
   const HlodView& view = hlod.data();
@@ -89,13 +86,20 @@ OwnImages make_own_images(const Hlod& hlod, const std::filesystem::path& image_f
   };
   const tiles::SourceTextures sources(hlod, image_folder, threads, step);
   if (sources.images().empty()) return images;
+  std::optional<ImageJournal> journal;
+  if (!journal_path.empty()) journal.emplace(journal_path, hlod, image_folder);
   images.table.resize(hlod.node_count());
   const PartMaker maker(hlod, sources);
-  std::vector<Part> parts(std::min<std::size_t>(hlod.node_count(), std::size_t{8} * threads));
+  std::vector<ImagePart> parts(std::min<std::size_t>(hlod.node_count(), std::size_t{8} * threads));
   for (NodeId first = 0; first < hlod.node_count(); first += static_cast<NodeId>(parts.size())) {
     const std::size_t count = std::min(parts.size(), hlod.node_count() - first);
-    for_each_task(count, threads, [&](std::size_t i) { parts[i] = maker.made(first + static_cast<NodeId>(i)); });
+    std::size_t taken = 0;
+    while (journal && taken < count && journal->take(parts[taken])) ++taken;
+    for_each_task(count - taken, threads, [&](std::size_t i) {
+      parts[taken + i] = maker.made(first + static_cast<NodeId>(taken + i));
+    });
     for (std::size_t i = 0; i < count; ++i) {
+      if (journal && i >= taken) journal->append(parts[i]);
       step();
       make_room();
       images.table[first + i] = {images.bytes.size(), sections::checksum_of(parts[i].bytes),

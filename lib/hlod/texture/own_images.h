@@ -34,8 +34,9 @@ inline constexpr double coarser_by = 2.5;
 // Returns an image for each node, from the images that SourceTextures divides; an empty table where it divides none.
 // Images are found in `image_folder`. The same arguments give the same bytes, whatever the number of threads, >= 1.
 // `progress`, unless empty, is called with the share done, in [0, 1]. Throws Error for damaged images. O(size +
-// texels).
-[[nodiscard]] OwnImages make_own_images(const Hlod& hlod, const std::filesystem::path& image_folder, unsigned threads,
+// texels). What an ImageJournal in the file `journal` has is not made again; empty: none is kept.
+[[nodiscard]] OwnImages make_own_images(const Hlod& hlod, const std::filesystem::path& image_folder,
+                                        const std::filesystem::path& journal, unsigned threads,
                                         const std::function<void(double)>& progress);
 
 }  // namespace occlod::hlod

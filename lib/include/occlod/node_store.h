@@ -138,6 +138,9 @@ struct OhlodOptions {
   // Called now and then with the share of images that are made, in [0, 1]. What it throws ends the writing, and leaves
   // what is there.
   std::function<void(double)> images_progress = {};
+  // A file that keeps finished images of nodes until it is removed, so that a writing that was killed goes on where it
+  // was; empty: none. Error for a file that is no such journal, or that another writing uses.
+  std::filesystem::path images_journal = {};
 };
 
 // Writes beside `path` and renames, so that a file that was there stays as it was when writing fails. The same
