@@ -1,15 +1,18 @@
 """What goes wrong around the built command `occlod`: files that change or cannot be read or written, too little memory, kills. Each ends in exit 1 and
 one line that names what failed, and leaves the file that was there. Tests wait for states of the process, never for a time."""
 import json
+import math
 import os
 import pathlib
 import random
 import re
 import resource
 import signal
+import struct
 import subprocess
 import time
 import unittest
+import zlib
 
 from tool_case import OCCLOD, ToolTest
 
@@ -355,6 +358,43 @@ class HlodKills(HlodBuildCase):
                 (self.folder / name).unlink()
             self.assertEqual(list((self.folder / "scratch").iterdir()), [])
         self.assertGreater(max_found, 0)
+
+    def make_textured(self, cells=96, side=1024):
+        """Hills with an image of noise, which takes long to pack."""
+        chance = random.Random(3)
+        rows = b"".join(b"\0" + chance.randbytes(3 * side) for _ in range(side))
+        chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        (self.folder / "hills.png").write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)) +
+                                                chunk(b"IDAT", zlib.compress(rows, 1)) + chunk(b"IEND", b""))
+        (self.folder / "hills.mtl").write_text("newmtl hills\nmap_Kd hills.png\n")
+        numbers = range(cells + 1)
+        lines = ["mtllib hills.mtl", "usemtl hills", *(f"v {x} {y} {math.sin(x / 5) * math.cos(y / 7):.4f}\nvt {x / cells} {y / cells}" for y in numbers for x in numbers)]
+        corner = lambda x, y: "{0}/{0}".format(y * (cells + 1) + x + 1)
+        for y in range(cells):
+            lines += [f"f {corner(x, y)} {corner(x + 1, y)} {corner(x + 1, y + 1)} {corner(x, y + 1)}" for x in range(cells)]
+        (self.folder / "hills.obj").write_text("\n".join(lines))
+
+    def test_killed_again_and_again_while_images_are_made(self):
+        """Each build is killed once it has kept further images, until none are left to make."""
+        self.make_textured()
+        build = ["hlod", "build", "hills.obj", "-o", "a.ohlod", "--node-triangles", "64"]
+        self.succeed(*build)
+        target, journal = self.folder / "a.ohlod", self.folder / "a.ohlod.images.journal"
+        whole = target.read_bytes()
+        target.unlink()
+        kills, kept = 0, 0
+        while True:
+            process = self.start(*build, "--resume", "--threads", 1 + kills % 3)
+            while process.poll() is None and not (journal.exists() and journal.stat().st_size > kept + len(whole) // 12):
+                continue
+            process.kill()
+            if self.end_of(process)[0] == 0 or target.exists():
+                break
+            kills += 1
+            self.assertGreater(journal.stat().st_size, kept)  # nothing that was kept is made again
+            kept = journal.stat().st_size
+        self.assertGreaterEqual(kills, 3)
+        self.assertEqual(target.read_bytes(), whole)
 
 
 class Permissions(Faults):
