@@ -126,7 +126,7 @@ class Run:
                 server.terminate()
 
     def clients(self):
-        say(f"\n{'client':34} {'triangles':>11} {'tiles':>8} {'texels':>10} {'resident':>10} {'failed':>7}   means of all cameras, {self.options.error} px")
+        say(f"\n{'client':34} {'triangles':>11} {'tiles':>8} {'texels':>10} {'resident':>10} {'failed':>7}   means of all cameras, {self.options.error} px; a texel is 4 bytes")
         for program, export in (("cesium", "meshopt"), ("cesium", "earth"), ("three", "plain"), ("three", "meshopt"), ("cesium", "ktx2")):
             if export not in self.names:
                 continue

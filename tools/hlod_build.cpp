@@ -184,9 +184,10 @@ void add_hlod_build(CLI::App& hlod) {
   add_file(command, "--scratch", options->scratch, "With --memory: folder for scratch files; else that of the output")
       ->type_name("FOLDER")
       ->needs("--memory");
-  command.add_flag("--resume", options->resume,
-                   "Keep finished nodes in OUTPUT.journal, and their images in OUTPUT.images.journal, until the output is "
-                   "there. A build that was killed goes on from them when the same command runs again");
+  command.add_flag(
+      "--resume", options->resume,
+      "Keep finished nodes in OUTPUT.journal, and their images in OUTPUT.images.journal, until the output is "
+      "there. A build that was killed goes on from them when the same command runs again");
   CLI::Option* const clusters =
       add_number(command, "--clusters", options->clusters, WholeRange{min_cluster_triangles, max_cluster_triangles},
                  "Make clusters of at most so many triangles and 256 vertices for other renderers, as meshoptimizer's "

@@ -1,4 +1,6 @@
 // Making images of nodes that goes on where it was interrupted.
+#include "hlod/texture/image_journal.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +12,6 @@
 #include <vector>
 
 #include "hlod/store/hlod_data.h"
-#include "hlod/texture/image_journal.h"
 #include "mesh/image_codec.h"
 #include "occlod/build_hlod.h"
 #include "occlod/node_store.h"

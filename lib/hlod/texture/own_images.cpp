@@ -95,9 +95,8 @@ OwnImages make_own_images(const Hlod& hlod, const std::filesystem::path& image_f
     const std::size_t count = std::min(parts.size(), hlod.node_count() - first);
     std::size_t taken = 0;
     while (journal && taken < count && journal->take(parts[taken])) ++taken;
-    for_each_task(count - taken, threads, [&](std::size_t i) {
-      parts[taken + i] = maker.made(first + static_cast<NodeId>(taken + i));
-    });
+    for_each_task(count - taken, threads,
+                  [&](std::size_t i) { parts[taken + i] = maker.made(first + static_cast<NodeId>(taken + i)); });
     for (std::size_t i = 0; i < count; ++i) {
       if (journal && i >= taken) journal->append(parts[i]);
       step();
