@@ -110,6 +110,14 @@ test("mistakes are told in a line, and leave nothing", () => {
   assert.deepEqual(fs.readdirSync(folder).sort(), names);
 });
 
+test("what is missing is told in a line", () => {
+  const alone = path.join(folder, "alone");
+  fs.cpSync(path.resolve("node_modules/occlod"), alone, { recursive: true });
+  const end = spawnSync(process.execPath, [path.join(alone, "bin/occlod.js"), "ktx2", "png", "-o", "x"], { cwd: folder, encoding: "utf8" });
+  assert.equal(end.status, 2);
+  assert.equal(end.stderr, "occlod ktx2: the packages ktx2-encoder and sharp are missing; install them beside occlod: npm install ktx2-encoder sharp\n");
+});
+
 // A file with two images that share a buffer view, bytes between that are not aligned, and an image that a normal map shows.
 test("only images of colours are replaced, and bytes between them stay", async () => {
   const binary = Buffer.from([1, 2, 3, 10, 11, 12, 13, 14, 21, 22, 23, 31, 32, 41, 42, 43, 44, 45]);

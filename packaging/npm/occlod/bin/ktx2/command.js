@@ -15,7 +15,7 @@ Usage: occlod ktx2 TILES -o OUT [--threads N]
   --json           Print one JSON object
 
 Needs the packages ktx2-encoder and sharp.`;
-const MISSING = "the packages ktx2-encoder and sharp are missing; run it as npx -p occlod -p ktx2-encoder -p sharp occlod ktx2";
+const MISSING = "the packages ktx2-encoder and sharp are missing; install them beside occlod: npm install ktx2-encoder sharp";
 
 class Mistake extends Error {}
 
