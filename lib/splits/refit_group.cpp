@@ -55,6 +55,23 @@ std::vector<std::uint8_t> held(const GroupCollapses& group, const SimplifiedGrou
   return held;
 }
 
+// How the root mean square distance of a vertex from the planes of its faces changes when it moves.
+struct ErrorChange {
+  float nearer = 1.0F;   // it is multiplied by this
+  float farther = 0.0F;  // and the square of this added to its own, object units
+
+  [[nodiscard]] float of(float error) const {
+    if (farther == 0.0F) return nearer * error;
+    return static_cast<float>(std::hypot(static_cast<double>(error), static_cast<double>(farther)));
+  }
+};
+
+ErrorChange change_of(const VertexQuadric& quadric, float scale, const glm::vec3& step) {
+  const float before = quadric.mean_square(glm::vec3(0.0F)), after = quadric.mean_square(scale * step);
+  if (after < before) return {.nearer = std::sqrt(after / before)};
+  return {.farther = std::sqrt(after - before) / scale};
+}
+
 }  // namespace
 
 void refit_group(const GroupCollapses& group, SimplifyState& state, SimplifiedGroup& result) {
@@ -76,31 +93,24 @@ void refit_group(const GroupCollapses& group, SimplifyState& state, SimplifiedGr
       refit({positions, group.mesh.triangles, target, result.triangles, minima, state.scale}, rules, 1);
   if (std::ranges::equal(moved, positions)) return;
 
-  std::vector<float> nearer(vertices, 1.0F), farther2(vertices, 0.0F), steps(vertices, 0.0F);
-  float error = group.torn, farthest = 0.0F;
+  std::vector<float> steps(vertices, 0.0F);
+  std::vector<ErrorChange> changes(vertices);
   for (const VertexId v : left) {
     if (moved[v] == positions[v]) continue;
     const glm::vec3 step = moved[v] - positions[v];
-    const VertexQuadric& quadric = state.vertices[v].quadric;
-    const float before = quadric.mean_square(glm::vec3(0.0F)), after = quadric.mean_square(state.scale * step);
-    if (after < before)
-      nearer[v] = std::sqrt(after / before);
-    else
-      farther2[v] = (after - before) / (state.scale * state.scale);
-    steps[v] = scaled_up(glm::length(step), 1.0F + 1e-6F);
-    farthest = std::max(farthest, steps[v]);
+    steps[v] = scaled_up(static_cast<float>(glm::length(glm::dvec3(step))), 1.0F + 1e-6F);
+    changes[v] = change_of(state.vertices[v].quadric, state.scale, step);
   }
+  result.error = group.torn;
   for (std::size_t i = 0; i < group.collapses.size(); ++i) {
-    const VertexId into = target[group.collapses[i]->v];
-    const float of_collapse = nearer[into] * group.collapses[i]->error;
-    error = std::max(error, std::sqrt(of_collapse * of_collapse + farther2[into]));
-    if (!group.attribute_errors.empty()) error = std::max(error, group.attribute_errors[i]);
+    const ErrorChange& change = changes[target[group.collapses[i]->v]];
+    result.error = std::max(result.error, change.of(group.collapses[i]->error));
+    if (!group.attribute_errors.empty()) result.error = std::max(result.error, group.attribute_errors[i]);
   }
-  result.error = error;
-  result.guaranteed_error = scaled_up(result.guaranteed_error + farthest, 1.0F + 1e-6F);
   for (std::size_t i = 0; i < result.bounds.size(); ++i) {
     const Triangle& t = result.triangles[i];
     result.bounds[i] = scaled_up(result.bounds[i] + std::max({steps[t.x], steps[t.y], steps[t.z]}), 1.0F + 1e-6F);
+    result.guaranteed_error = std::max(result.guaranteed_error, result.bounds[i]);
   }
   result.positions = std::move(moved);
 }

@@ -22,8 +22,9 @@ struct GroupCollapses {
 };
 
 // Sets the group's positions and what they change: the error by how much nearer to the planes of its faces each vertex
-// is (root mean square), and the bounds by how far it has moved. Vertices that are locked stay, those on borders, and
-// on seams unless these are of a texture. `state` is that of the simplification, when all collapses are made. O(n).
+// is (root mean square), and the bounds, which are there, by how far it has moved. Vertices that are locked stay, those
+// on borders, and on seams unless these are of a texture. `state` is that of the simplification, when all collapses are
+// made. O(n).
 void refit_group(const GroupCollapses& group, SimplifyState& state, SimplifiedGroup& result);
 
 }  // namespace occlod
