@@ -182,11 +182,8 @@ void NodeSimplifier::simplify(const LevelDraft& below, std::uint32_t first_group
     simplify_here(below, rules, first_group, group_count, level, progress);
 }
 
-// Splits within nodes lead back to vertices that stay where they are, and vertices that neighbours share without being
-// locked have no place that all of them know.
-bool NodeSimplifier::refits() const {
-  return reduction_.keeps_bounds && options_.borders == Borders::locked && options_.within == Within::geomorph;
-}
+// Splits within nodes lead back to vertices that stay where they are.
+bool NodeSimplifier::refits() const { return reduction_.keeps_bounds && options_.within == Within::geomorph; }
 
 // A single node is simplified to the wanted share. Several all stop at one cost: if each were forced to it, those with
 // many locked vertices would have errors many times the others', which every coarser node inherits.
