@@ -96,7 +96,7 @@ class Quality {
   [[nodiscard]] std::optional<double> triangles_to_direct(const TriangleMesh& mesh) {
     const double wanted = std::log(rms(mesh));
     std::optional<std::pair<double, double>> finer;  // logarithms of triangles and RMS
-    for (double share = 1.4; share > 0.45; share /= 1.2) {
+    for (double share = 2.9; share > 0.45; share /= 1.2) {
       const TriangleMesh cut = cut_mesh(
           hierarchy_,
           cut_to_triangles(hierarchy_, static_cast<std::size_t>(share * static_cast<double>(mesh.triangle_count()))));

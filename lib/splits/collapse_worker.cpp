@@ -416,6 +416,7 @@ void CollapseWorker::finish() {
     collapse.v = made.v;
     collapse.u = made.u;
     collapse.error = scaled_up(made.error, to_object);
+    if (!made.keeps_topology) record.torn = std::max(record.torn, collapse.error);
     collapse.guaranteed_error = scaled_up(reached.error, to_object);
     collapse.moved = scaled_up(made.moved, to_object);
     record.ranks.push_back(reached.rank);

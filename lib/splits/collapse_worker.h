@@ -103,6 +103,7 @@ struct BlockRecord {
   // Where collapses are not wanted: the largest cost of one, and its largest error, object units: quadric error or that
   // of attributes.
   float largest_cost = 0.0F, largest_error = 0.0F;
+  float torn = 0.0F;  // where they are: the largest error of one that changed the topology, object units
 };
 
 // The ids of a block's collapses ascend from a multiple of block_size; only the last block may have more than

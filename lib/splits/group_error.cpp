@@ -220,7 +220,8 @@ class GroupMeasurer {
       : mesh_(mesh),
         simplified_(simplified),
         fine_{mesh.positions, mesh.triangles},
-        coarse_{mesh.positions, simplified.triangles},
+        coarse_{simplified.positions.empty() ? std::span<const glm::vec3>(mesh.positions) : simplified.positions,
+                simplified.triangles},
         coarse_faces_(simplified.triangles, mesh.vertex_count()),
         places_(mesh.vertex_count()),
         most_(static_cast<double>(simplified.guaranteed_error)) {
@@ -264,7 +265,7 @@ class GroupMeasurer {
     for (std::uint32_t f = 0; f < simplified_.triangles.size(); ++f) {
       const Triangle& t = simplified_.triangles[f];
       const auto bound = static_cast<double>(simplified_.bounds[f]);
-      const std::array corners = {position(t.x), position(t.y), position(t.z)};
+      const std::array corners = {place(t.x), place(t.y), place(t.z)};
       if (bound > limit_ && !cover.is_covered(corners, fine_faces.at(t.x), limit_) &&
           !cover.is_covered(corners, fine_faces.at(t.y), limit_) &&
           !cover.is_covered(corners, fine_faces.at(t.z), limit_))
@@ -274,9 +275,11 @@ class GroupMeasurer {
   }
 
   [[nodiscard]] glm::dvec3 position(VertexId v) const { return glm::dvec3(mesh_.positions[v]); }
+  // Returns where a vertex is on the simplified surface.
+  [[nodiscard]] glm::dvec3 place(VertexId v) const { return glm::dvec3(coarse_.positions[v]); }
   [[nodiscard]] double distance2(const glm::dvec3& p, std::uint32_t face) const {
     const Triangle& t = simplified_.triangles[face];
-    return nearest_point(p, position(t.x), position(t.y), position(t.z)).distance2;
+    return nearest_point(p, place(t.x), place(t.y), place(t.z)).distance2;
   }
 
   // Finds the vertices into which those of the group were merged.
@@ -306,7 +309,7 @@ class GroupMeasurer {
   void place_vertices() {
     for (VertexId v = 0; v < places_.size(); ++v)
       for (const std::uint32_t face : coarse_faces_.at(image_[v])) {
-        const double d2 = image_[v] == v ? 0.0 : distance2(position(v), face);
+        const double d2 = image_[v] == v && position(v) == place(v) ? 0.0 : distance2(position(v), face);
         if (d2 < places_[v].distance2) places_[v] = {face, d2};
         if (d2 == 0.0) break;
       }

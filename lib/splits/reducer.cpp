@@ -12,20 +12,6 @@
 namespace occlod {
 namespace {
 
-// Marks the vertices whose corners have several wedges: creases and edges of colours stay where they are.
-std::vector<std::uint8_t> on_seams(std::span<const Triangle> faces, std::span<const Triangle> wedges,
-                                   std::size_t vertex_count) {
-  std::vector<WedgeId> first(vertex_count, no_id);
-  std::vector<std::uint8_t> result(vertex_count, 0);
-  for (std::size_t t = 0; t < faces.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      WedgeId& wedge = first[faces[t][k]];
-      if (wedge == no_id) wedge = wedges[t][k];
-      if (wedge != wedges[t][k]) result[faces[t][k]] = 1;
-    }
-  return result;
-}
-
 void check(const TriangleMesh& mesh, const SimplifyOptions& options) {
   const OptionChecker checker("simplify");
   checker.in_range("boundary_weight", options.boundary_weight, 0.0, 1e6);
@@ -68,7 +54,7 @@ std::vector<glm::vec3> Reducer::refitted(const ReducedFaces& reduced, std::span<
   std::vector<std::uint8_t> held(mesh_.vertex_count(), 0);
   if (!along_normals) held = on_seams(reduced.faces, wedges, mesh_.vertex_count());
   for (std::size_t v = 0; v < locked.size(); ++v) held[v] |= locked[v];
-  return refit(reduction, held, along_normals, threads_);
+  return refit(reduction, {.held = held, .along_normals = along_normals}, threads_);
 }
 
 TriangleMesh Reducer::reduced(std::size_t max_triangles, std::span<const std::uint8_t> locked,

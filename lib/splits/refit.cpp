@@ -88,14 +88,14 @@ std::vector<std::uint8_t> on_borders(const ReducedMesh& mesh) {
 
 class Refit {
  public:
-  Refit(const Reduction& reduction, std::span<const std::uint8_t> held, bool along_normals, unsigned threads)
+  Refit(const Reduction& reduction, const RefitRules& rules, unsigned threads)
       : reduction_(reduction),
+        rules_(rules),
         mesh_(reduction),
-        along_normals_(along_normals),
         threads_(threads),
         held_(on_borders(mesh_)) {
     for (std::uint32_t i = 0; i < mesh_.size(); ++i) {
-      if (!held.empty() && held[mesh_.vertex(i)] != 0) held_[i] = 1;
+      if (!rules.held.empty() && rules.held[mesh_.vertex(i)] != 0) held_[i] = 1;
       at_.emplace_back(scaled(mesh_.vertex(i)));
     }
     start_ = at_;
@@ -106,9 +106,10 @@ class Refit {
     for (std::uint32_t i = 0; i < mesh_.size(); ++i) minima[i] += reduction_.minima[mesh_.vertex(i)];
     move_to(std::move(minima));
     move_to(least_squares());
+    if (rules_.keeps_apart || rules_.lattice_step > 0.0F || rules_.least_step > 0.0F) settle();
     std::vector<glm::vec3> result(reduction_.positions.begin(), reduction_.positions.end());
     for (std::uint32_t i = 0; i < mesh_.size(); ++i)
-      if (held_[i] == 0) result[mesh_.vertex(i)] = glm::vec3(at_[i] / static_cast<double>(reduction_.scale));
+      if (held_[i] == 0 && at_[i] != start_[i]) result[mesh_.vertex(i)] = in_object_space(at_[i]);
     return result;
   }
 
@@ -125,6 +126,9 @@ class Refit {
   };
 
   [[nodiscard]] glm::vec3 scaled(VertexId v) const { return reduction_.positions[v] * reduction_.scale; }
+  [[nodiscard]] glm::vec3 in_object_space(const glm::dvec3& p) const {
+    return glm::vec3(p / static_cast<double>(reduction_.scale));
+  }
   [[nodiscard]] PointLists point_lists() const;
   [[nodiscard]] std::vector<VertexNormal> vertex_normals() const;
   [[nodiscard]] FacePlane plane_at(std::uint32_t i, const Triangle& face) const;
@@ -133,11 +137,13 @@ class Refit {
   void move_to(Positions wanted);
   void keep_along_normals(Positions& wanted) const;
   void limit_steps(Positions& wanted) const;
+  void settle();
+  void keep_apart(Positions& wanted) const;
   bool take_back_turned(Positions& wanted) const;
 
   const Reduction& reduction_;
+  const RefitRules& rules_;
   ReducedMesh mesh_;
-  bool along_normals_;
   unsigned threads_;
   std::vector<std::uint8_t> held_;
   Positions start_;  // before all moves; this and all other lengths are scaled
@@ -311,7 +317,7 @@ void Refit::move_to(Positions wanted) {
     const bool is_finite = std::isfinite(wanted[i].x) && std::isfinite(wanted[i].y) && std::isfinite(wanted[i].z);
     if (held_[i] != 0 || !is_finite) wanted[i] = at_[i];
   }
-  if (along_normals_) keep_along_normals(wanted);
+  if (rules_.along_normals) keep_along_normals(wanted);
   limit_steps(wanted);
   while (take_back_turned(wanted)) continue;  // ends: each time at least one vertex more is back
   at_ = std::move(wanted);
@@ -342,6 +348,44 @@ void Refit::limit_steps(Positions& wanted) const {
   }
 }
 
+// Rounds the moves to the rules. Those that are not worth it or not allowed are taken back to where the vertex started.
+void Refit::settle() {
+  const double scale = reduction_.scale, least = static_cast<double>(rules_.least_step) * scale;
+  Positions wanted = at_;
+  for (std::uint32_t i = 0; i < mesh_.size(); ++i) {
+    glm::dvec3 step = at_[i] - start_[i];
+    if (!rules_.most.empty()) {
+      const double most = static_cast<double>(rules_.most[mesh_.vertex(i)]) * scale, length = glm::length(step);
+      if (length > most) step *= most / length;
+    }
+    glm::vec3 p = in_object_space(start_[i] + step);
+    if (rules_.lattice_step > 0.0F) p = round_to_lattice(p, rules_.lattice_step);
+    const bool is_worth = glm::dot(step, step) > least * least;
+    const bool is_near = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= farthest_coordinate;
+    wanted[i] = is_worth && is_near ? glm::dvec3(p) * scale : start_[i];
+  }
+  if (rules_.keeps_apart) keep_apart(wanted);
+  at_ = start_;
+  while (take_back_turned(wanted)) continue;
+  at_ = std::move(wanted);
+}
+
+// Takes back moves to where a vertex of the input is, or another one that moves.
+void Refit::keep_apart(Positions& wanted) const {
+  using Key = std::array<float, 3>;
+  const auto key = [](const glm::vec3& p) { return Key{p.x, p.y, p.z}; };
+  std::vector<Key> taken;
+  for (const glm::vec3& p : reduction_.positions) taken.push_back(key(p));
+  for (std::uint32_t i = 0; i < mesh_.size(); ++i)
+    if (wanted[i] != start_[i]) taken.push_back(key(in_object_space(wanted[i])));
+  std::sort(taken.begin(), taken.end());
+  for (std::uint32_t i = 0; i < mesh_.size(); ++i) {
+    if (wanted[i] == start_[i]) continue;
+    const auto [first, last] = std::equal_range(taken.begin(), taken.end(), key(in_object_space(wanted[i])));
+    if (last - first > 1) wanted[i] = start_[i];
+  }
+}
+
 // Faces must not turn by more than some 78 degrees from where they were before all moves.
 bool Refit::take_back_turned(Positions& wanted) const {
   constexpr double least_cosine = 0.2;
@@ -358,9 +402,21 @@ bool Refit::take_back_turned(Positions& wanted) const {
 
 }  // namespace
 
-std::vector<glm::vec3> refit(const Reduction& reduction, std::span<const std::uint8_t> held, bool along_normals,
-                             unsigned threads) {
-  return Refit(reduction, held, along_normals, threads).run();
+std::vector<glm::vec3> refit(const Reduction& reduction, const RefitRules& rules, unsigned threads) {
+  return Refit(reduction, rules, threads).run();
+}
+
+std::vector<std::uint8_t> on_seams(std::span<const Triangle> faces, std::span<const Triangle> wedges,
+                                   std::size_t vertex_count) {
+  std::vector<WedgeId> first(vertex_count, no_id);
+  std::vector<std::uint8_t> result(vertex_count, 0);
+  for (std::size_t t = 0; t < faces.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      WedgeId& wedge = first[faces[t][k]];
+      if (wedge == no_id) wedge = wedges[t][k];
+      if (wedge != wedges[t][k]) result[faces[t][k]] = 1;
+    }
+  return result;
 }
 
 }  // namespace occlod

@@ -1,6 +1,7 @@
 // Moves the vertices of a reduced mesh to where its triangles fit the input best.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -20,14 +21,26 @@ struct Reduction {
   float scale;                           // ReducedFaces::scale
 };
 
+// Limits where vertices may go.
+struct RefitRules {
+  std::span<const std::uint8_t> held{};  // per vertex of the input, nonzero: stays where it is; empty: none
+  // Vertices move along the mean normal of their faces only, so that what is mapped onto them does not slide.
+  bool along_normals = false;
+  float lattice_step = 0.0F;  // object space: new positions are multiples of it; 0: any
+  float least_step = 0.0F;    // object space: vertices that would move by less stay
+  std::span<const float> most{};  // per vertex of the input, object space: it moves no farther; empty: any
+  bool keeps_apart = false;   // no vertex goes to where another one of the input is
+};
+
 // Returns the new position of each vertex of the input that reduced faces use; others keep theirs. First each vertex
 // goes to the minimum of the quadrics of all input faces that went into it (Garland & Heckbert 1997), then all vertices
 // together to the least squares of the distances between the input's faces and the nearest reduced ones (as in Hoppe
-// and others, Mesh Optimization, 1993, for one fixed assignment). Vertices that `held` names stay (one entry per vertex
-// of the input, or empty), and so do those on borders of the reduced mesh and those whose faces would turn over. With
-// `along_normals` vertices move along the mean normal of their faces only, so that what is mapped onto them does not
-// slide. The same result for any number of threads. O(n).
-[[nodiscard]] std::vector<glm::vec3> refit(const Reduction& reduction, std::span<const std::uint8_t> held,
-                                           bool along_normals, unsigned threads);
+// and others, Mesh Optimization, 1993, for one fixed assignment). Vertices on borders of the reduced mesh stay, and
+// those whose faces would turn over. The same result for any number of threads. O(n).
+[[nodiscard]] std::vector<glm::vec3> refit(const Reduction& reduction, const RefitRules& rules, unsigned threads);
+
+// Marks the vertices whose corners have several wedges: creases and edges of colours. O(n).
+[[nodiscard]] std::vector<std::uint8_t> on_seams(std::span<const Triangle> faces, std::span<const Triangle> wedges,
+                                                 std::size_t vertex_count);
 
 }  // namespace occlod

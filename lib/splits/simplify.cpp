@@ -16,6 +16,7 @@
 #include "base/threads.h"
 #include "splits/build_progress.h"
 #include "splits/collapse_worker.h"
+#include "splits/quadric_minima.h"
 #include "splits/spatial_order.h"
 
 namespace occlod {
@@ -145,7 +146,7 @@ class Simplifier {
       for (std::size_t i = merges.size(); i-- > 0;) result.target[merges[i].v] = result.target[merges[i].u];
     }
     if (result.faces.empty() && records_.size() > 0) result.least_possible = records_[records_.size() - 1].last_gone;
-    result.minima = quadric_minima(result.target);
+    result.minima = quadric_minima(*state_, live_, result.target, mesh_.triangles);
     result.scale = state_->scale;
     return result;
   }
@@ -175,31 +176,6 @@ class Simplifier {
   // Returns whether many faces are left. The last of them go in the order of their costs over the whole mesh.
   [[nodiscard]] bool many_left() const {
     return live_.size() > block_size && live_faces_ > 4 * options_.base_triangles;
-  }
-
-  // Planes that held a boundary have no say in where a vertex fits best: where some are in its quadric, it is summed
-  // again from the faces of the input.
-  [[nodiscard]] std::vector<glm::vec3> quadric_minima(std::span<const VertexId> target) {
-    constexpr float rounding = 1.001F;
-    std::vector<glm::vec3> result(target.size(), glm::vec3(0.0F));
-    std::vector<std::uint8_t> is_mixed(target.size(), 0);
-    bool any = false;
-    for (const VertexId v : live_) {
-      VertexQuadric& quadric = state_->vertices[v].quadric;
-      const bool is_pure = quadric.xx + quadric.yy + quadric.zz <= rounding * quadric.weight;
-      if (is_pure)
-        result[v] = quadric.minimum();
-      else
-        quadric = {}, is_mixed[v] = 1, any = true;
-    }
-    if (!any) return result;
-    for (const Triangle& t : mesh_.triangles)
-      if ((is_mixed[target[t.x]] | is_mixed[target[t.y]] | is_mixed[target[t.z]]) != 0)
-        for (int k = 0; k < 3; ++k)
-          if (is_mixed[target[t[k]]] != 0) state_->add_plane_of(t, target[t[k]]);
-    for (const VertexId v : live_)
-      if (is_mixed[v] != 0) result[v] = state_->vertices[v].quadric.minimum();
-    return result;
   }
 
   // Coarse cells are enough to cut blocks: a block has some hundred of them on a surface.

@@ -9,6 +9,7 @@
 
 #include "splits/build_progress.h"
 #include "splits/collapse_worker.h"
+#include "splits/refit_group.h"
 #include "splits/simplify_state.h"
 
 namespace occlod {
@@ -178,8 +179,8 @@ SimplifiedGroup simplify_group(const TriangleMesh& mesh, std::span<const std::ui
   const std::span<Collapse* const> collapses = records.collapses(0);
 
   SimplifiedGroup result;
-  const std::vector<float> errors =
-      errors_of(collapses, record, state.attributes != nullptr && target.attribute_weight > 0.0);
+  const bool has_attributes = state.attributes != nullptr && target.attribute_weight > 0.0;
+  const std::vector<float> errors = errors_of(collapses, record, has_attributes);
   result.error = record.largest_error;
   for (const float error : errors) result.error = std::max(result.error, error);
   GroupWedges wedges(mesh);
@@ -196,11 +197,16 @@ SimplifiedGroup simplify_group(const TriangleMesh& mesh, std::span<const std::ui
   }
   result.cost = record.largest_cost;
   for (const float rank : record.ranks) result.cost = std::max(result.cost, rank);
-  list_faces(state, has_seams, target.lists_bounds, wedges, result);
+  list_faces(state, has_seams, target.lists_bounds || target.refits, wedges, result);
   result.merged_into = wedges.final_targets();
   if (target.keeps_collapses && !wedges.is_split())
     result.collapses = saturated(collapses, errors, wedges, mesh.vertex_count());
   result.added = wedges.added();
+  if (target.refits)
+    refit_group({mesh, locked, target.lattice_step, collapses,
+                 has_attributes ? std::span<const float>(record.attribute_errors) : std::span<const float>(), record.torn},
+                state, result);
+  if (!target.lists_bounds) result.bounds.clear();
   return result;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <limits>
 #include <span>
 #include <vector>
@@ -23,6 +24,9 @@ struct GroupTarget {
   // Whether guaranteed_error is wanted. Without it, bounds and collapses, simplifying takes a third less time.
   bool keeps_bounds = true;
   bool lists_bounds = false;  // whether SimplifiedGroup::bounds are wanted
+  // Whether vertices that are left move to where they fit the input best (refit.h). Needs keeps_bounds, and no collapses.
+  bool refits = false;
+  float lattice_step = 0.0F;  // RefitRules::lattice_step
 };
 
 // Records that wedge v was merged into u. All wedges of a vertex are merged together, listed one after the other.
@@ -45,6 +49,7 @@ struct SimplifiedGroup {
   std::vector<Triangle> corners;     // their wedges; empty when the input has no extra wedges
   std::vector<AddedWedge> added;     // numbered after the wedges of the input
   std::vector<WedgeId> merged_into;  // per wedge: the wedge it ended up in; itself if not merged
+  std::vector<glm::vec3> positions;  // per vertex of the input, where it is now; empty where none has moved
   float error = 0.0F;                // largest error of a collapse, object units: quadric error or attribute deviation
   float guaranteed_error = 0.0F;     // bound on the distance of every remaining triangle from the input, object units
   // Per triangle: no point of it is farther from the input, object units. Filled only on request.

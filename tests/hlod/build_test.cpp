@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -12,6 +15,7 @@
 #include "occlod/build_hlod.h"
 #include "occlod/generate.h"
 #include "occlod/hlod.h"
+#include "splits/nearest_point.h"
 #include "support/meshes.h"
 
 namespace occlod::hlod {
@@ -31,6 +35,25 @@ HlodBuildOptions small_nodes(Grouping grouping = Grouping::shifted, Borders bord
   return options;
 }
 
+// Returns the root mean square of the distances from the vertices of a mesh to a level, by trying all triangles.
+double rms_distance(const TriangleMesh& mesh, const Hlod& hlod, std::size_t level) {
+  std::vector<std::array<glm::dvec3, 3>> faces;
+  const Level& nodes = hlod.data().levels[level];
+  for (NodeId n = nodes.first_node; n < nodes.first_node + nodes.node_count; ++n) {
+    const NodeMesh node = hlod.mesh(n);
+    for (std::size_t i = 0; i < node.indices.size(); i += 3)
+      faces.push_back({node.positions[node.indices[i]], node.positions[node.indices[i + 1]],
+                       node.positions[node.indices[i + 2]]});
+  }
+  double sum = 0.0;
+  for (const glm::vec3& p : mesh.positions) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& [a, b, c] : faces) least = std::min(least, nearest_point(glm::dvec3(p), a, b, c).distance2);
+    sum += least;
+  }
+  return std::sqrt(sum / static_cast<double>(mesh.positions.size()));
+}
+
 TEST(BuildHlod, EveryKindOfMeshBuildsValidatesAndComesBack) {
   const std::vector<std::pair<const char*, TriangleMesh>> meshes = {
       {"single_triangle", occlod::test::single_triangle()},
@@ -46,11 +69,12 @@ TEST(BuildHlod, EveryKindOfMeshBuildsValidatesAndComesBack) {
       {"city", generate("city", {{"blocks", 4}, {"facade_cells", 8}})},
       {"spheres_behind_wall", generate("spheres-behind-wall", {{"spheres", 12}, {"level", 3}, {"wall_cells", 20}})}};
   for (const auto& [name, mesh] : meshes)
-    for (const auto& [grouping, borders] : all_kinds) {
-      SCOPED_TRACE(std::string(name) + (grouping == Grouping::nested ? " nested" : " shifted") +
-                   (borders == Borders::free ? " free" : " locked"));
+    for (std::size_t i = 0; i < 2 * all_kinds.size(); ++i) {
+      const auto& [grouping, borders] = all_kinds[i / 2];
       HlodBuildOptions options = small_nodes(grouping, borders);
-      options.within = Within::splits;
+      options.within = i % 2 == 0 ? Within::splits : Within::geomorph;
+      SCOPED_TRACE(std::string(name) + (grouping == Grouping::nested ? " nested" : " shifted") +
+                   (borders == Borders::free ? " free" : " locked") + (i % 2 == 0 ? " with splits" : ""));
       const Hlod hlod = build_hlod(mesh, options);
       const std::vector<std::string> violations = validate(hlod);
       EXPECT_TRUE(violations.empty()) << violations[0];
@@ -110,10 +134,47 @@ TEST(BuildHlod, KeepsAttributesWithTheirVertices) {
     ASSERT_EQ(node.normals.size(), node.positions.size());
     ASSERT_EQ(node.colors.size(), node.positions.size());
     for (std::size_t i = 0; i < node.positions.size(); ++i) {
-      EXPECT_EQ(node.normals[i], glm::normalize(node.positions[i]));
-      EXPECT_EQ(node.colors[i], glm::u8vec4(glm::vec4(node.positions[i] * 50.0F + 120.0F, 255.0F)));
+      const auto of_input = std::ranges::find(mesh.normals, node.normals[i]);
+      ASSERT_NE(of_input, mesh.normals.end());
+      const auto v = static_cast<std::size_t>(of_input - mesh.normals.begin());
+      EXPECT_EQ(node.colors[i], mesh.colors[v]);
+      const float step = glm::distance(node.positions[i], mesh.positions[v]);
+      EXPECT_LE(step, hlod.node(n).guaranteed_error);
     }
   }
+}
+
+// Moved vertices give levels of the same size that are nearer to the input.
+TEST(BuildHlod, MovesVerticesToWhereTheyFit) {
+  const TriangleMesh mesh = noisy_sphere(4, 1);
+  HlodBuildOptions options = small_nodes();
+  const Hlod moved = build_hlod(mesh, options);
+  options.within = Within::splits;  // which keeps vertices where they are
+  const Hlod kept = build_hlod(mesh, options);
+  ASSERT_EQ(moved.level_count(), kept.level_count());
+  for (std::size_t level = 1; level < moved.level_count(); ++level) {
+    const double before = rms_distance(mesh, kept, level), after = rms_distance(mesh, moved, level);
+    EXPECT_LT(after, 0.85 * before) << "level " << level;
+  }
+}
+
+TEST(BuildHlod, MovesVerticesOnALatticeOnly) {
+  HlodBuildOptions options = small_nodes();
+  options.quantise_bits = 10;
+  const Hlod hlod = build_hlod(noisy_sphere(6, 1), options);
+  const double step = hlod.data().lattice_step;
+  std::size_t moved = 0;
+  std::set<std::array<float, 3>> of_input;
+  for (NodeId n = static_cast<NodeId>(hlod.node_count()); n-- > 0;)
+    for (const glm::vec3& p : hlod.mesh(n).positions) {
+      for (int k = 0; k < 3; ++k) ASSERT_EQ(std::remainder(double{p[k]}, step), 0.0);
+      if (hlod.node(n).level == 0)
+        of_input.insert({p.x, p.y, p.z});
+      else if (!of_input.contains({p.x, p.y, p.z}))
+        ++moved;
+    }
+  EXPECT_GT(moved, 100U);
+  EXPECT_TRUE(validate(hlod).empty());
 }
 
 TEST(BuildHlod, GeomorphTargetsLieInTheParentAndSharedVerticesStay) {

@@ -83,7 +83,7 @@ TEST(ValidateHlod, FindsBoundsThatAreTooSmall) {
 }
 
 TEST(ValidateHlod, FindsForeignVertices) {
-  expect_violation("is no vertex of the input", [](HlodData& d) { positions(d, 0)[0].y += 0.01F; });
+  expect_violation("does not hold all that it stands for", [](HlodData& d) { positions(d, 0)[0].y += 10.0F; });
   expect_violation("that none of its children has",
                    [](HlodData& d) { positions(d, inner_node())[0] = positions(d, last_node())[0]; });
   expect_violation("has a vertex twice", [](HlodData& d) { positions(d, 0)[0] = positions(d, 0)[1]; });

@@ -122,13 +122,14 @@ class Assembler {
  private:
   void describe_input() {
     const WedgeMesh& input = mesh_;
-    data_.box = bounding_box(input.positions);
+    data_.box = bounding_box(std::span<const glm::vec3>(input.positions).first(input.vertex_count()));
+    data_.lattice_step = input.lattice_step;
     data_.input_triangle_count = input.triangles.size();
     data_.has_normals = !input.normals.empty();
     data_.has_colors = !input.colors.empty();
     data_.has_texture_coordinates = !input.texture_coordinates.empty();
     data_.has_materials = !mesh_.wedge_materials.empty();
-    data_.has_seams = mesh_.has_seams();
+    data_.has_seams = !levels_[0].corners.empty();
     data_.materials = input.materials;
     data_.textures = input.textures;
     data_.texture_origin = input.texture_origin;

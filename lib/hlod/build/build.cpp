@@ -457,6 +457,7 @@ class Builder {
 
 Hlod build(WedgeMesh mesh, float lattice_step, const HlodBuildOptions& options, BuildJournal* journal,
            std::size_t& taken) {
+  mesh.lattice_step = lattice_step;
   const LargeMemoryReuse reuse;
   if (journal != nullptr) journal->begin(mesh);
   HlodData data = Builder(std::move(mesh), options, journal).run();
@@ -464,7 +465,6 @@ Hlod build(WedgeMesh mesh, float lattice_step, const HlodBuildOptions& options, 
   data.grouping = options.grouping;
   data.borders = options.borders;
   data.node_triangles = options.node_triangles;
-  data.lattice_step = lattice_step;
   Hlod hlod = make_hlod(std::move(data));
   BuildProgress(options.progress).reach(1.0);
   return hlod;

@@ -44,7 +44,7 @@ struct NodeFacts {
   Box box;
   float error = 0.0F, guaranteed_error = 0.0F;
 };
-static_assert(sizeof(NodeFacts) == 32 && sizeof(AddedWedge) == 8 && sizeof(Merge) == 8 &&
+static_assert(sizeof(NodeFacts) == 32 && sizeof(NewWedge) == 20 && sizeof(Merge) == 8 &&
               sizeof(SplitsDraft::Split) == 8 && sizeof(GrownBox) == 28);  // no padding, whose bytes nobody has set
 
 // Calls visit() for each array of a node, or of a group but its triangles and boxes, to write or to read it.

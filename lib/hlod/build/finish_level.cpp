@@ -223,7 +223,7 @@ LevelDraft LevelBuilder::finish() {
       [&](int, std::size_t n) {
         NodeDraft& node = level_.nodes[n];
         node.children = std::move(children[n]);
-        node.area = area_of(mesh_, level_.triangles_of(node));
+        node.area = area_of(mesh_, level_.wedge_triangles_of(node));
         bound(node, below_.nodes);
       },
       [] {});

@@ -27,10 +27,10 @@ struct GrownBox {
 // Holds the result of simplifying one group.
 struct SimplifiedNode {
   std::vector<Triangle> triangles;
-  std::vector<Triangle> corners;                // wedges of the triangles; empty without seams
-  std::vector<AddedWedge> added;                // wedges that the WedgeMesh does not have yet, numbered after its own
+  std::vector<Triangle> corners;                // wedges of the triangles; empty where each vertex is its own wedge
+  std::vector<NewWedge> added;                  // that the WedgeMesh does not have yet, numbered after its own
   std::vector<VertexId> lost;                   // locked vertices that none of the triangles uses
-  std::vector<Merge> merges;                    // all wedges of the group that were merged
+  std::vector<Merge> merges;                    // all wedges of the group that were merged or have moved
   std::vector<WedgeId> bare_targets;            // see NodeDraft
   Box box;                                      // of what its input stands for, without what vanished below it
   std::vector<GrownBox> grown;                  // of vertices that triangles still use, for what vanished beside them

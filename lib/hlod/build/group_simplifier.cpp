@@ -26,7 +26,9 @@ GroupTarget target_of(const GroupInput& group, const GroupRules& rules) {
           .keeps_collapses = rules.keeps_splits != 0,
           .attribute_weight = build_weights.attributes,
           .keeps_bounds = rules.keeps_bounds != 0,
-          .lists_bounds = rules.measures != 0};
+          .lists_bounds = rules.measures != 0,
+          .refits = rules.refits != 0,
+          .lattice_step = rules.lattice_step};
 }
 
 Box box_of(std::span<const Box> boxes) {
@@ -39,7 +41,7 @@ Box box_of(std::span<const Box> boxes) {
 
 float GroupSimplifier::cost_of(const GroupInput& group, const GroupRules& rules) {
   GroupTarget target = target_of(group, rules);
-  target.keeps_collapses = target.keeps_bounds = target.lists_bounds = false;
+  target.keeps_collapses = target.keeps_bounds = target.lists_bounds = target.refits = false;
   return simplify_group(group.mesh, group.locked, target).cost;
 }
 
@@ -52,20 +54,35 @@ SimplifiedNode GroupSimplifier::run(const GroupInput& group, const GroupRules& r
       rules.measures != 0 ? measured_error(group.mesh, simplified_) : simplified_.guaranteed_error;
   if (rules.keeps_bounds != 0) result.box = box_of(group.boxes);
   for (const Triangle& t : simplified_.triangles) result.triangles.push_back(global(t, group.vertices));
-  wedges_ = group.wedges;
-  for (const AddedWedge& added : simplified_.added) {
-    result.added.push_back({group.vertices[added.vertex], wedges_[added.attributes]});
-    wedges_.push_back(static_cast<WedgeId>(rules.first_added + result.added.size() - 1));
-  }
-  if (rules.has_seams != 0)
+  add_wedges(result, rules.first_added);
+  if (rules.names_wedges != 0)
     for (const Triangle& t : simplified_.corners.empty() ? simplified_.triangles : simplified_.corners)
-      result.corners.push_back(global(t, wedges_));
+      result.corners.push_back(global(t, images_));
   list_lost(result);
   if (rules.keeps_bounds == 0) return result;
   list_merges(result);
   list_vanished(result);
+  list_moved(result);
   if (!simplified_.collapses.empty() && wedges_.size() <= stays && can_replay()) keep_splits(result.within);
   return result;
+}
+
+// Adds the wedges that simplification has added, and those of vertices that have moved.
+void GroupSimplifier::add_wedges(SimplifiedNode& result, WedgeId first_added) {
+  const std::vector<glm::vec3>& positions =
+      simplified_.positions.empty() ? group_->mesh.positions : simplified_.positions;
+  const auto add = [&](VertexId vertex, WedgeId like) {
+    result.added.push_back({group_->vertices[vertex], like, positions[vertex]});
+    return static_cast<WedgeId>(first_added + result.added.size() - 1);
+  };
+  wedges_ = group_->wedges;
+  for (const AddedWedge& added : simplified_.added) wedges_.push_back(add(added.vertex, wedges_[added.attributes]));
+  images_ = wedges_;
+  if (simplified_.positions.empty()) return;
+  for (WedgeId w = 0; w < group_->wedges.size(); ++w) {
+    const VertexId v = group_->mesh.vertex_of(w);
+    if (simplified_.merged_into[w] == w && positions[v] != group_->mesh.positions[v]) images_[w] = add(v, wedges_[w]);
+  }
 }
 
 void GroupSimplifier::list_merges(SimplifiedNode& result) {
@@ -74,9 +91,9 @@ void GroupSimplifier::list_merges(SimplifiedNode& result) {
     used_[t.x] = used_[t.y] = used_[t.z] = 1;
   for (std::uint32_t w = 0; w < wedges_.size(); ++w) {
     const std::uint32_t into = simplified_.merged_into[w];
-    if (into == w) continue;
-    result.merges.push_back({wedges_[w], wedges_[into]});
-    if (used_[into] == 0) result.bare_targets.push_back(wedges_[into]);
+    if (images_[into] == wedges_[w]) continue;
+    result.merges.push_back({wedges_[w], images_[into]});
+    if (used_[into] == 0) result.bare_targets.push_back(images_[into]);
   }
   std::sort(result.bare_targets.begin(), result.bare_targets.end());
   result.bare_targets.erase(std::unique(result.bare_targets.begin(), result.bare_targets.end()),
@@ -114,6 +131,17 @@ void GroupSimplifier::list_vanished(SimplifiedNode& result) {
       result.grown.push_back({vertex, grown.box});
     else
       result.grown.back().box = unite(result.grown.back().box, grown.box);
+  }
+}
+
+// Makes room for the vertices that have moved.
+void GroupSimplifier::list_moved(SimplifiedNode& result) const {
+  if (simplified_.positions.empty()) return;
+  for (VertexId v = 0; v < simplified_.positions.size(); ++v) {
+    const glm::vec3& p = simplified_.positions[v];
+    if (p == group_->mesh.positions[v]) continue;
+    result.box = unite(result.box, {p, p});
+    result.grown.push_back({group_->vertices[v], {p, p}});
   }
 }
 

@@ -32,12 +32,15 @@ struct GroupRules {
   float scale = 1.0F;                                  // likewise
   float least_share = 0.25F;      // simplification ends when this share of the group's triangles is left
   WedgeId first_added = 0;        // id of the first wedge that a group adds
-  std::uint8_t has_seams = 0;     // whether results name wedges of corners
+  float lattice_step = 0.0F;      // as in GroupTarget
+  std::uint8_t names_wedges = 0;  // whether results name wedges of corners
   std::uint8_t keeps_splits = 0;  // as Within::splits
   std::uint8_t measures = 0;      // as ErrorBound::measured
   std::uint8_t keeps_bounds = 1;  // as Reduction::keeps_bounds
+  std::uint8_t refits = 0;        // as Reduction::refits; needs names_wedges
+  std::array<std::uint8_t, 3> reserved{};  // always 0
 };
-static_assert(sizeof(GroupRules) == 20);  // no padding, whose bytes nobody has set
+static_assert(sizeof(GroupRules) == 28);  // no padding, whose bytes nobody has set
 
 // Simplifies one group after another and reuses its memory.
 class GroupSimplifier {
@@ -49,9 +52,11 @@ class GroupSimplifier {
   [[nodiscard]] static float cost_of(const GroupInput& group, const GroupRules& rules);
 
  private:
+  void add_wedges(SimplifiedNode& result, WedgeId first_added);
   void list_merges(SimplifiedNode& result);
   void list_lost(SimplifiedNode& result);
   void list_vanished(SimplifiedNode& result);
+  void list_moved(SimplifiedNode& result) const;
   void note_left();
   [[nodiscard]] bool is_left(const std::array<std::uint32_t, 3>& corners) const;
   [[nodiscard]] VertexId vertex_of(WedgeId wedge) const;
@@ -61,7 +66,8 @@ class GroupSimplifier {
 
   const GroupInput* group_ = nullptr;
   SimplifiedGroup simplified_;
-  std::vector<WedgeId> wedges_;  // GroupInput::wedges, then those added
+  std::vector<WedgeId> wedges_;  // GroupInput::wedges, then those added where charts were stretched
+  std::vector<WedgeId> images_;  // per wedge in wedges_: the one where its vertex is now; itself if it has not moved
   std::vector<std::uint8_t> used_;
   std::vector<std::array<std::uint32_t, 3>> left_;                   // the remaining triangles, in order
   std::vector<std::pair<std::uint32_t, std::uint32_t>> left_edges_;  // of them, in order

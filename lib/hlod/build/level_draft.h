@@ -86,8 +86,16 @@ class LocalIds {
   std::size_t mask_ = 0;
 };
 
-// Holds the arrays of a TriangleMesh, which may be larger than memory; several threads fill the larger ones. Vertices
-// never change; a wedge is added where a collapse stretches a chart over a vertex that had none in it.
+// Describes a wedge that the simplification of a node has added: where a collapse stretches a chart over a vertex that
+// had none in it, and where a vertex has moved.
+struct NewWedge {
+  VertexId vertex = no_id;
+  WedgeId like = no_id;  // has the same attributes, material and feature
+  glm::vec3 position{0.0F};
+};
+
+// Holds the arrays of a TriangleMesh, which may be larger than memory; several threads fill the larger ones. Input
+// wedges never change. A vertex has one position on each level, that of its wedges there.
 struct WedgeMesh {
   UninitializedVector<glm::vec3> positions;
   UninitializedVector<glm::vec3> normals;
@@ -102,6 +110,7 @@ struct WedgeMesh {
   std::vector<std::string> feature_names;
   std::vector<Texture> textures;
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
+  float lattice_step = 0.0F;  // HlodView::lattice_step
   glm::dvec3 origin{0.0};
   UpAxis up = UpAxis::z;
 
@@ -124,18 +133,17 @@ struct WedgeMesh {
     return has_seams() || !texture_coordinates.empty() || !normals.empty() || !colors.empty();
   }
 
-  // Adds a wedge of `vertex` with the attributes, the material and the feature of `like`.
-  void add(VertexId vertex, WedgeId like) {
-    const auto repeat = [](auto& values, WedgeId wedge) {
-      if (!values.empty()) values.push_back(typename std::decay_t<decltype(values)>::value_type(values[wedge]));
+  void add(const NewWedge& wedge) {
+    const auto repeat = [](auto& values, WedgeId like) {
+      if (!values.empty()) values.push_back(typename std::decay_t<decltype(values)>::value_type(values[like]));
     };
-    repeat(positions, vertex);
-    repeat(normals, like);
-    repeat(colors, like);
-    repeat(texture_coordinates, like);
-    repeat(wedge_materials, like);
-    repeat(wedge_features, like);
-    extra_wedges.push_back(vertex);
+    positions.push_back(wedge.position);
+    repeat(normals, wedge.like);
+    repeat(colors, wedge.like);
+    repeat(texture_coordinates, wedge.like);
+    repeat(wedge_materials, wedge.like);
+    repeat(wedge_features, wedge.like);
+    extra_wedges.push_back(wedge.vertex);
   }
 };
 
@@ -185,7 +193,7 @@ struct NodeDraft {
 struct LevelDraft {
   std::vector<NodeDraft> nodes;
   UninitializedVector<Triangle> triangles;  // vertex ids, node by node
-  UninitializedVector<Triangle> corners;    // wedges of the triangles; empty without seams
+  UninitializedVector<Triangle> corners;    // wedges of the triangles; empty where each vertex is its own wedge
   LargeVector<Merge> merges;                // node by node
   // Holds, per triangle, the place on the next level of the node that replaces it; empty on the last level.
   UninitializedVector<std::uint32_t> parent_of;
@@ -198,6 +206,9 @@ struct LevelDraft {
   }
   [[nodiscard]] std::span<const Triangle> triangles_of(const NodeDraft& node) const {
     return std::span<const Triangle>(triangles).subspan(node.first_triangle, node.triangle_count);
+  }
+  [[nodiscard]] std::span<const Triangle> wedge_triangles_of(const NodeDraft& node) const {
+    return std::span<const Triangle>(wedge_triangles()).subspan(node.first_triangle, node.triangle_count);
   }
 };
 

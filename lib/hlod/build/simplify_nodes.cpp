@@ -51,7 +51,7 @@ class NodeSimplifier::Gatherer {
     vertices_.reset(3 * members.size());
     for (const std::uint32_t member : members) mesh.triangles.push_back(number(below_.triangles[member], vertices_));
     input.vertices.assign(vertices_.vertices().begin(), vertices_.vertices().end());
-    if (all_.mesh_.has_seams()) {
+    if (!below_.corners.empty()) {
       seam_wedges_.reset(3 * members.size());
       for (const std::uint32_t member : members) mesh.corners.push_back(number(below_.corners[member], seam_wedges_));
       sort_wedges(input);
@@ -163,6 +163,8 @@ LevelDraft NodeSimplifier::run(LevelDraft& below, TriangleGroups groups, const P
     progress.reach(below.triangles.size() / groups.count * first);
   }
   if (first < groups.count) simplify(below, first, groups.count, level, progress);
+  for_each_id(added_.size(), 1, [&](std::uint32_t i) { mesh_.add(added_[i]); });
+  added_.clear();
   LevelDraft result = level.finish();
   pass_on(result);
   return result;
@@ -180,6 +182,9 @@ void NodeSimplifier::simplify(const LevelDraft& below, std::uint32_t first_group
     simplify_here(below, rules, first_group, group_count, level, progress);
 }
 
+// Splits within nodes lead back to vertices that stay where they are.
+bool NodeSimplifier::refits() const { return reduction_.keeps_bounds && options_.within == Within::geomorph; }
+
 // A single node is simplified to the wanted share. Several all stop at one cost: if each were forced to it, those with
 // many locked vertices would have errors many times the others', which every coarser node inherits.
 GroupRules NodeSimplifier::rules_of(const LevelDraft& below, std::uint32_t group_count) const {
@@ -187,7 +192,9 @@ GroupRules NodeSimplifier::rules_of(const LevelDraft& below, std::uint32_t group
   rules.scale = scale_;
   rules.least_share = static_cast<float>(reduction_.wanted_share);
   rules.first_added = static_cast<WedgeId>(mesh_.wedge_count());
-  rules.has_seams = mesh_.has_seams() ? 1 : 0;
+  rules.names_wedges = refits() || mesh_.has_seams() ? 1 : 0;
+  rules.refits = refits() ? 1 : 0;
+  rules.lattice_step = mesh_.lattice_step;
   rules.keeps_splits = options_.within == Within::splits ? 1 : 0;
   rules.measures = options_.error_bound == ErrorBound::measured ? 1 : 0;
   rules.keeps_bounds = reduction_.keeps_bounds ? 1 : 0;
@@ -355,9 +362,8 @@ void NodeSimplifier::note(SimplifiedNode& result) {
   for (WedgeId& wedge : result.within.wedges) move(wedge);
 }
 
-// Adds the wedges to the mesh and applies the losses once the level is finished, because nodes share vertices.
+// Applies the losses once the level is finished, because nodes share vertices.
 void NodeSimplifier::pass_on(const LevelDraft& level) {
-  for (const auto& [vertex, like] : added_) mesh_.add(vertex, like);
   for_each_id(level.merges.size(), 1, [&](std::uint32_t i) {
     const auto& [v, u] = level.merges[i];
     Box& box = boxes_[mesh_.vertex_of(u)];
@@ -368,7 +374,6 @@ void NodeSimplifier::pass_on(const LevelDraft& level) {
     box = unite(box, grown_[i].box);
   });
   for_each_id(losses_.size(), 1, [&](std::uint32_t i) { lost_[losses_[i]] = 1; });
-  added_.clear();
   grown_.clear();
   losses_.clear();
 }

@@ -38,6 +38,8 @@ class NodeSimplifier {
                           std::uint32_t group_count, LevelBuilder& level, const ProgressPart& progress);
   [[nodiscard]] std::vector<GroupInput> gather(const LevelDraft& below, std::uint32_t first, std::uint32_t count) const;
   [[nodiscard]] GroupRules rules_of(const LevelDraft& below, std::uint32_t group_count) const;
+  // Returns whether vertices that lie within groups move to where they fit best.
+  [[nodiscard]] bool refits() const;
   void lock(const LevelDraft& below, std::uint32_t group_count);
   void list_members(const LevelDraft& below, std::uint32_t group_count);
   [[nodiscard]] std::span<const std::uint32_t> members(std::uint32_t group) const;
@@ -56,7 +58,7 @@ class NodeSimplifier {
   unsigned level_ = 0;  // that run() makes
   // Vertices and wedges that the nodes of the unfinished level have lost and added, and boxes that have grown.
   LargeVector<VertexId> losses_;
-  LargeVector<AddedWedge> added_;
+  LargeVector<NewWedge> added_;
   LargeVector<GrownBox> grown_;
   // The next three arrays are indexed by vertex of the input mesh.
   UninitializedVector<Box>

@@ -94,7 +94,7 @@ class Validator {
 
   [[nodiscard]] std::size_t point_count() const {
     std::size_t count = 0;
-    for (const Node& node : h_.data().nodes) count += node.level == 0 ? node.vertices : 0;
+    for (const Node& node : h_.data().nodes) count += node.vertices;
     return count;
   }
 
@@ -124,7 +124,7 @@ class Validator {
     }
   }
 
-  // Identifies every vertex of every node by its position.
+  // Identifies every vertex of every node by its position. Those that have moved are points of their own.
   void identify_points() {
     first_vertex_.reserve(h_.node_count());
     std::size_t vertices = 0;
@@ -136,10 +136,7 @@ class Validator {
     for (NodeId n = static_cast<NodeId>(h_.node_count()); n-- > 0;) {  // level 0 first
       const NodeMesh mesh = h_.mesh(n);
       for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-        const glm::vec3& p = mesh.positions[i];
-        const PointId point = h_.node(n).level == 0 ? points_.add(p) : points_.find(p);
-        point_of_[first_vertex_[n] + i] = point;
-        if (point == no_id) report("vertex {} of node {} is no vertex of the input", i, n);
+        point_of_[first_vertex_[n] + i] = points_.add(mesh.positions[i]);
       }
     }
     merge_of_.resize(points_.positions().size());
@@ -184,7 +181,7 @@ class Validator {
       report("node {} has a vertex twice", n);
     inputs_.erase(std::unique(inputs_.begin(), inputs_.end()), inputs_.end());
     if (!std::includes(inputs_.begin(), inputs_.end(), own.begin(), own.end()))
-      report("node {} has a vertex that none of its children has", n);
+      report("node {} has a vertex that none of its children has or slides to", n);
   }
 
   // Checks invariant 5, without fronts.
@@ -206,8 +203,9 @@ class Validator {
           const std::uint16_t vertex = mesh.indices[i + k];
           moved[static_cast<int>(k)] = image(child, mesh, vertex, parent);
           kept[static_cast<int>(k)] = point(child, vertex);
-          inputs_.push_back(point(child, vertex));
-          if (mesh.merged_into[vertex] != stays) note_merge(inputs_.back(), {moved[static_cast<int>(k)], parent});
+          inputs_.insert(inputs_.end(), {kept[static_cast<int>(k)], moved[static_cast<int>(k)]});
+          if (mesh.merged_into[vertex] != stays)
+            note_merge(kept[static_cast<int>(k)], {moved[static_cast<int>(k)], parent});
         }
         before.add(kept);
         after.add(moved);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <optional>
@@ -360,7 +361,9 @@ class SkirtMaker {
     const glm::dvec3 area = areas_[first_[v]];
     const double length = glm::length(area);
     const glm::dvec3 inwards = length > 0.0 ? -area / length : glm::dvec3(0.0);
-    mesh_.positions.emplace_back(glm::dvec3(mesh_.positions[v]) + depth_ * inwards);
+    constexpr double farthest = farthest_coordinate;
+    mesh_.positions.emplace_back(
+        glm::clamp(glm::dvec3(mesh_.positions[v]) + depth_ * inwards, glm::dvec3(-farthest), glm::dvec3(farthest)));
     repeat(mesh_.normals, v);
     repeat(mesh_.colors, v);
     repeat(mesh_.texture_coordinates, v);

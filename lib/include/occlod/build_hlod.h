@@ -18,7 +18,7 @@ namespace occlod::hlod {
 enum class Within {
   geomorph,  // NodeMesh::merged_into: vertices can slide to the parent's
   splits,    // also every node's collapses: it can be drawn with any number of them undone (NodeCut), for twice the
-             // bytes
+             // bytes; vertices stay where the input has them
 };
 
 // Has other processes simplify the groups of a build, which takes most of its time. Each task is a file with all that

@@ -93,8 +93,9 @@ struct Level {
 // Marks vertices in NodeMesh::merged_into that stay where they are.
 inline constexpr std::uint16_t stays = 0xffff;
 
-// The mesh of one node. Positions are those of vertices of the input, bit for bit, and so are attributes. Where the
-// input has seams, a vertex of it may be several here, one for each set of its attributes that the node uses.
+// The mesh of one node. Attributes are those of vertices of the input, bit for bit, and so are positions on level 0; on
+// others vertices that lie within one node are where they fit the input best. Where the input has seams, a vertex of it
+// may be several here, one for each set of its attributes that the node uses.
 struct NodeMesh {
   std::span<const glm::vec3> positions;    // object space
   std::span<const glm::vec3> normals;      // unit length, one per vertex; empty when the input had none
@@ -285,7 +286,7 @@ class Hlod {
 [[nodiscard]] std::optional<std::string> check_within(const HlodView& data, NodeId n);
 
 // Checks six invariants: (1) no error is smaller than a child's, and boxes and spheres contain what they say; (2) all
-// vertices of a node are vertices of its children; (3) the triangles of a node are those of its children that it
+// vertices of a node are where vertices of its children are or slide to; (3) the triangles of a node are those of its children that it
 // replaces, with its merges applied, where degenerate ones vanish and opposite ones cancel; (4) where borders are
 // locked, every vertex is merged in one node only, and the oriented boundary of `random_fronts` random legal fronts is
 // that of the input with the merges of all coarser nodes applied: no crack opens between nodes of different levels; (5)
