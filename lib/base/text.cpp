@@ -93,7 +93,7 @@ TextCursor::TextCursor(std::string_view text, const FileErrors& errors, Syntax s
       errors_(&errors),
       syntax_(syntax) {}
 
-bool TextCursor::at_line_end() {
+bool TextCursor::is_at_line_end() {
   while (at_ != end_ && (is_blank(*at_) || skip_continuation())) ++at_;
   return at_ == end_ || is_break(*at_) || (syntax_.hash_comments && *at_ == '#');
 }
@@ -124,6 +124,7 @@ bool TextCursor::find_word() {
 }
 
 void TextCursor::skip_line() {
+  if (at_ != end_ && *at_ == '\n') return skip_line_break();
   const bool comment = at_line_end();
   while (at_ != end_ && !is_break(*at_)) {
     if (!comment) skip_continuation();
@@ -142,7 +143,7 @@ void TextCursor::skip_line_break() {
 std::string_view TextCursor::word() {
   if (at_line_end()) return {};
   const char* const first = at_;
-  while (!ends_word(at_)) ++at_;
+  while (at_ != end_ && (is_plain(*at_) || !ends_word(at_))) ++at_;
   return {first, static_cast<std::size_t>(at_ - first)};
 }
 

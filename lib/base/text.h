@@ -69,7 +69,11 @@ class TextCursor {
   [[nodiscard]] const FileErrors& errors() const noexcept { return *errors_; }
 
   // Skips blanks; returns true where no word is left on this line.
-  [[nodiscard]] bool at_line_end();
+  [[nodiscard]] bool at_line_end() {
+    if (at_ != end_ && *at_ == ' ') ++at_;
+    if (at_ != end_ && is_plain(*at_) && *at_ != '#') return false;
+    return is_at_line_end();
+  }
   // Moves to the next line that has a word, the current line included; returns false at the end of the text.
   [[nodiscard]] bool find_word();
   void skip_line();
@@ -92,6 +96,9 @@ class TextCursor {
  private:
   template <class Number>
   Number parse(const char* what, const char* kind);
+  // True for most characters of words: none that may be a blank, a line break or a continuation.
+  static bool is_plain(char c) { return static_cast<unsigned char>(c) > ' ' && c != '\\'; }
+  [[nodiscard]] bool is_at_line_end();
   [[nodiscard]] bool is_continuation(const char* at) const;
   [[nodiscard]] bool ends_word(const char* at) const;
   bool skip_continuation();

@@ -460,6 +460,13 @@ class ObjParser {
 
   std::int64_t parse_integer(const char*& at, const char* end, std::string_view text) {
     std::int64_t value = 0;
+    const char* digit = at;
+    for (; digit != end && *digit >= '0' && *digit <= '9' && digit - at < 18; ++digit)
+      value = 10 * value + (*digit - '0');
+    if (digit != at && (digit == end || *digit == '/')) {  // as most are
+      at = digit;
+      return value;
+    }
     const std::from_chars_result result = std::from_chars(at, end, value);
     if (result.ec != std::errc{}) bad_corner(text);
     at = result.ptr;

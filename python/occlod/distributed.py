@@ -38,6 +38,7 @@ Range = tuple[int, int]
 
 SHARDS_A_CORE = 16  # as many unless a number is given, so that the last of them take little time
 AHEAD = 4  # shards or tasks for each core that are handed out before others are done
+COUNT_AFTER_S = 1.0  # cores are counted again, since workers come and go
 PATIENCE_S = 60.0  # until a file that a worker wrote is seen here
 
 
@@ -267,6 +268,7 @@ class _Simplifiers:
         self.client, self.threads, self.retries = client, threads, retries
         self.running: dict[distributed.Future, pathlib.Path] = {}
         self.done = distributed.as_completed()
+        self.most, self.counted_s = 0, -COUNT_AFTER_S  # tasks at once, and when the cores were counted for it
         self.tasks, self.worker_seconds = 0, 0.0
 
     def start(self, task: pathlib.Path) -> None:
@@ -274,7 +276,9 @@ class _Simplifiers:
         future = self.client.submit(_simplify, str(task), self.threads, retries=self.retries, pure=False)
         self.running[future] = task
         self.done.add(future)
-        while len(self.running) > AHEAD * max(1, sum(self.client.nthreads().values())):
+        if time.monotonic() > self.counted_s + COUNT_AFTER_S:
+            self.most, self.counted_s = AHEAD * max(1, sum(self.client.nthreads().values())), time.monotonic()
+        while len(self.running) > self.most:
             self.take()
 
     def finish(self, task: pathlib.Path) -> None:
@@ -288,14 +292,12 @@ class _Simplifiers:
     def take(self) -> None:
         """Waits for one of the tasks."""
         future = next(self.done)
-        error = future.exception()  # waits where what it returned is lost with its worker: then the task is run again
         task = self.running.pop(future)
-        if isinstance(error, distributed.KilledWorker):
-            raise Error(str(task), "", "kills the workers that simplify it", "see their logs; what is done is kept")
-        if error is not None:
-            raise error
+        try:
+            self.worker_seconds += future.result()  # waits where it is lost with its worker: then the task is run again
+        except distributed.KilledWorker as error:
+            raise Error(str(task), "", "kills the workers that simplify it", "see their logs; what is done is kept") from error
         self.tasks += 1
-        self.worker_seconds += future.result()
 
     def cancel(self) -> None:
         self.client.cancel(list(self.running))

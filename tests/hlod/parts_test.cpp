@@ -101,7 +101,7 @@ TEST_F(Parts, GiveTheBytesOfOneProcess) {
     SCOPED_TRACE(story.name);
     const std::string plain = test::bytes_of(build_hlod(story.mesh, story.options));
     EXPECT_EQ(build(story), plain);
-    EXPECT_GT(started().size(), 32U);
+    EXPECT_GT(started().size(), 2U) << "more than 32 groups, in tasks of 16";
     EXPECT_EQ(files(".task").size() + files(".nodes").size(), 0U) << "all were joined";
     EXPECT_EQ(build(story), plain);
     EXPECT_EQ(started().size(), 0U) << "the journal has them";

@@ -183,7 +183,7 @@ import sys
 import distributed, occlod.distributed
 scheduler, scene, path = sys.argv[1:]
 with distributed.Client(scheduler) as client:
-    occlod.distributed.build_hlod(scene, path, client=client, node_triangles=64, progress=lambda done: print(done, flush=True))
+    occlod.distributed.build_hlod(scene, path, client=client, node_triangles=32, progress=lambda done: print(done, flush=True))
 """
 
 
@@ -214,14 +214,14 @@ class Hlods(Clusters):
         cls.mesh = cls.folder / "planet.ply"
         occlod.generate("rough-planet", level=7).write(cls.mesh)
         mesh, report = occlod.read_mesh_and_report(cls.mesh)
-        occlod.build_hlod(mesh, node_triangles=64, threads=1).write(cls.folder / "one.ohlod", report=report)
+        occlod.build_hlod(mesh, node_triangles=32, threads=1).write(cls.folder / "one.ohlod", report=report)
         cls.expected = (cls.folder / "one.ohlod").read_bytes()
 
     def run_build(self, client, name, **options):
         """Into a folder of its own."""
         path = self.folder / name / "planet.ohlod"
         path.parent.mkdir(exist_ok=True)
-        report = occlod.distributed.build_hlod(self.mesh, path, client=client, node_triangles=64, **options)
+        report = occlod.distributed.build_hlod(self.mesh, path, client=client, node_triangles=32, **options)
         self.assertEqual(path.read_bytes(), self.expected)
         self.assertEqual([file.name for file in path.parent.iterdir()], ["planet.ohlod"])  # all else is removed
         return report
@@ -229,7 +229,7 @@ class Hlods(Clusters):
     def test_bytes_do_not_depend_on_workers(self):
         for workers, options in ((1, {}), (2, {"task_threads": 2}), (3, {"threads": 1})):
             report = self.run_build(self.cluster(workers), f"w{workers}", **options)
-            self.assertGreater(report.tasks, 100)  # two levels of 64 or more
+            self.assertGreater(report.tasks, 100)  # of 16 groups or more, on two levels or more
             self.assertGreater(report.worker_seconds, 0)
 
     @unittest.skipUnless("OCCLOD" in os.environ, "OCCLOD does not name the command")
@@ -277,10 +277,10 @@ class Hlods(Clusters):
         journal = path.with_name("planet.ohlod.journal")
         kept = journal.read_bytes()
         report = self.run_build(client, "driver")
-        self.assertLess(report.tasks, self.run_build(client, "whole").tasks - 50)  # by then nine tenths of 64 tasks are joined
+        self.assertLess(report.tasks, self.run_build(client, "whole").tasks - 50)  # by then nine tenths of the first level's are joined
         if "OCCLOD" in os.environ:  # goes on from the same journal
             journal.write_bytes(kept)
-            command = [os.environ["OCCLOD"], "hlod", "build", self.mesh, "-o", path, "--node-triangles", "64", "--resume", "--json"]
+            command = [os.environ["OCCLOD"], "hlod", "build", self.mesh, "-o", path, "--node-triangles", "32", "--resume", "--json"]
             told = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
             self.assertGreater(told["nodes_found"], 100)
             self.assertEqual(path.read_bytes(), self.expected)

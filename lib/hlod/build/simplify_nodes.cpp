@@ -27,9 +27,9 @@ namespace occlod::hlod {
 namespace {
 
 constexpr std::uint32_t groups_at_once = 512;  // groups whose results are in memory at a time
-// Levels of more groups than are sampled anyway are shared by processes: in about so many parts, of so many groups at
-// most.
-constexpr std::uint32_t parts_of_level = 64, groups_of_part = 32;
+// Levels of more groups than are sampled anyway are shared by processes: in about so many parts, each of at least and
+// at most so many groups. To hand a part out costs both sides some milliseconds, as much as to simplify a large group.
+constexpr std::uint32_t parts_of_level = 64, least_groups_of_part = 16, most_groups_of_part = 32;
 
 void remove_files(std::initializer_list<std::filesystem::path> files) {
   std::error_code ignored;  // the files do no harm
@@ -258,7 +258,7 @@ void NodeSimplifier::simplify_elsewhere(const LevelDraft& below, const GroupRule
     remove_files({part.task, result});
     progress.reach(first_member_[part.first + part.count]);
   };
-  const std::uint32_t size = std::clamp(group_count / parts_of_level, 1U, groups_of_part);
+  const std::uint32_t size = std::clamp(group_count / parts_of_level, least_groups_of_part, most_groups_of_part);
   for (std::uint32_t first = first_group / size * size; first < group_count; first += size) {
     Part part{first, std::min(size, group_count - first), parts.folder / fmt::format("level-{}-{}", level_, first)};
     part.task += task_extension;
