@@ -334,4 +334,8 @@ test("the package is small", (context) => {
   const bytes = files.map((file) => zlib.gzipSync(fs.readFileSync(path.join("node_modules/@occlod/three", file)), { level: 9 }).length).reduce((a, b) => a + b);
   context.diagnostic(`${bytes} bytes, compressed, beside three.js and occlod`);
   assert.ok(bytes < 20000);
+  const streams = ["calls.js", "hlod.js", "wasm/hlod.js", "wasm/hlod.wasm"].map((file) => zlib.gzipSync(fs.readFileSync(path.join("node_modules/occlod", file)), { level: 9 }).length);
+  const sum = streams.reduce((a, b) => a + b);
+  context.diagnostic(`${sum} bytes of occlod`);
+  assert.ok(sum <= 240000, `${sum} bytes`);
 });

@@ -437,8 +437,8 @@ class Needs {
       if (std::size_t{root} + 1 < places.size())
         ranges.push_back({place_of_meshes() + places[root], place_of_meshes() + places[root + 1]});
       if (root < images.size() && all_images != nullptr)
-        ranges.push_back({all_images->offset + images[root].place,
-                          all_images->offset + images[root].place + images[root].bytes});
+        ranges.push_back(
+            {all_images->offset + images[root].place, all_images->offset + images[root].place + images[root].bytes});
     }
     return ranges;
   }
@@ -465,9 +465,8 @@ std::vector<ByteRange> RemoteOhlod::open(const CacheOptions& cache) {
     return loads;
   };
   try {
-    file_ = ohlod::open_ohlod(
-        bytes_, name_, cache,
-        {make_queue, [this](const std::string& problem) { dropped_images_.push_back(problem); }});
+    file_ = ohlod::open_ohlod(bytes_, name_, cache,
+                              {make_queue, [this](const std::string& problem) { dropped_images_.push_back(problem); }});
   } catch (const Error&) {
     const std::optional<ByteRange> lacking = bytes_->take_lacking();
     if (!lacking) throw;

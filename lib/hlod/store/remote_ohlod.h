@@ -60,8 +60,8 @@ class RemoteOhlod {
   void fail(std::uint32_t id, const std::string& problem);
   // Returns the requests that frames since the last call have made needless. Answers to them are ignored.
   [[nodiscard]] std::vector<std::uint32_t> take_cancelled();
-  // Returns a line on each image that has come damaged since the last call: NodeMesh::image of its node is 0 throughout.
-  // Those of roots are not asked for again.
+  // Returns a line on each image that has come damaged since the last call: NodeMesh::image of its node is 0
+  // throughout. Those of roots are not asked for again.
   [[nodiscard]] std::vector<std::string> take_dropped_images();
 
  private:

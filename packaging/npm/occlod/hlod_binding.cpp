@@ -49,8 +49,8 @@ void add_colors(const hlod::HlodView& view, const hlod::NodeMesh& mesh, std::vec
 // An image that has come damaged is 0 throughout, as no image begins.
 bool has_image(const hlod::NodeMesh& mesh) { return !mesh.image.empty() && mesh.image[0] != 0; }
 
-// Of a node with an image: its indices, where triangles of each patch come first that show the image, and where the others
-// begin in each patch.
+// Of a node with an image: its indices, where triangles of each patch come first that show the image, and where the
+// others begin in each patch.
 std::vector<std::uint16_t> sorted_indices;
 std::vector<std::uint32_t> image_ends;
 
@@ -181,9 +181,9 @@ EMSCRIPTEN_KEEPALIVE const Bytes* occlod_selected(const HlodState* state) {
 }
 
 // What is 0: positions, 1: normals, 2: indices, 3: colours, four numbers of 16 bits each, linear light; 4: where
-// vertices slide to, three floats relative to where they are and the place of their patch among those of the node; 5: the
-// image, encoded, empty where there is none that is whole; 6: where vertices are in it, two shares of 65,535. Indices of a
-// node with an image are sorted, see occlod_image_ends().
+// vertices slide to, three floats relative to where they are and the place of their patch among those of the node; 5:
+// the image, encoded, empty where there is none that is whole; 6: where vertices are in it, two shares of 65,535.
+// Indices of a node with an image are sorted, see occlod_image_ends().
 EMSCRIPTEN_KEEPALIVE const Bytes* occlod_node_mesh(const HlodState* state, hlod::NodeId node, int what) {
   return guarded([&]() -> const Bytes* {
     const hlod::Hlod& hlod = state->hlod();

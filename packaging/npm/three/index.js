@@ -309,7 +309,7 @@ export class Ohlod extends Group {
   }
 }
 
-const bytesOfImage = ({ width, height }) => width * height * texelBytes;
+const bytesOfImage = ({ width, height }) => Math.ceil(width * height * texelBytes);
 
 // A material that is the given one, whatever becomes of that, but for its map.
 function withMap(material, map) {
