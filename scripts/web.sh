@@ -2,11 +2,13 @@
 # web.sh [serve [PORT]]: compiles the library and the command line to WebAssembly, in build/web, and packs the npm packages
 # build/npm/occlod-VERSION.tgz and build/npm/occlod-three-VERSION.tgz; the page of web/ lies beside them, in build/npm/page,
 # and `serve` serves it on http://127.0.0.1:PORT (8080). Needs Node with npm; the compiler comes by scripts/emscripten.sh, the
-# dependencies from Debian's source packages. Exit status 77 where one cannot be had.
+# dependencies from Debian's source packages; and zstd, which packs the command line. Exit status 77 where one cannot be had.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-command -v npm >/dev/null || { echo "web: SKIPPED: npm is missing" >&2; exit 77; }
+for tool in npm zstd; do
+  command -v "$tool" >/dev/null || { echo "web: SKIPPED: $tool is missing" >&2; exit 77; }
+done
 OCCLOD_EMSCRIPTEN=$(scripts/emscripten.sh)
 export OCCLOD_EMSCRIPTEN
 package=build/web/npm
@@ -26,9 +28,9 @@ done
 scripts/build.sh web "${fetched[@]}"
 
 cp -r packaging/npm/occlod/{bin,calls.js,index.js,index.d.ts,hlod.js,hlod.d.ts,package.json,README.md} LICENSE "$package"
-node -e 'const { brotliCompressSync } = require("zlib"), fs = require("fs"), [from, to] = process.argv.slice(1);
-  fs.writeFileSync(to, brotliCompressSync(fs.readFileSync(from)))' build/web/command_line/occlod.{wasm,wasm.br}
-cp build/web/command_line/occlod.{js,wasm.br} "$package/wasm"
+cp build/web/command_line/occlod.js "$package/wasm"
+zstd -qq --force --ultra -22 --long=27 --single-thread --patch-from="$package/wasm/library.wasm" build/web/command_line/occlod.wasm \
+  -o "$package/wasm/occlod.wasm.patch"
 npm pack --silent --pack-destination build/npm "./$package" >/dev/null
 three=build/web/three
 rm -rf "$three"

@@ -8,6 +8,7 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <numeric>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 
 #include "hlod/store/hlod_data.h"
 #include "hlod/store/ohlod.h"
+#include "hlod/store/remote_ohlod.h"
 #include "hlod/tiles/tile_tree.h"
 #include "mesh/image_codec.h"
 #include "occlod/base.h"
@@ -186,6 +188,139 @@ TEST_P(NodeImages, DamagedOnesAreToldOnceAndTheirNodesStayAway) {
   EXPECT_NE(failures[0].find(name), std::string::npos);
   EXPECT_EQ(failures[0].find('\n'), std::string::npos);
   EXPECT_TRUE(store.take_failures().empty());
+}
+
+// The file from afar, of which images are fetched along with meshes.
+class FarNodeImages : public NodeImages {
+ protected:
+  FarNodeImages() : content_(bytes_of(file_)) {}
+
+  [[nodiscard]] std::span<const std::byte> bytes(const hlod::ByteRange& range) const {
+    return std::as_bytes(std::span(content_)).subspan(range.begin, range.end - range.begin);
+  }
+  void damage_what_comes(NodeId n) { content_[place_of(n)] ^= 1; }
+  [[nodiscard]] std::vector<NodeId> all() const {
+    std::vector<NodeId> nodes(built().node_count());
+    std::iota(nodes.begin(), nodes.end(), NodeId{0});
+    return nodes;
+  }
+  // Returns how often something was missing.
+  int open(hlod::RemoteOhlod& remote) {
+    for (int rounds = 0;; ++rounds) {
+      const std::vector<hlod::ByteRange> missing = remote.open({});
+      if (missing.empty()) return rounds;
+      for (const hlod::ByteRange& range : missing) remote.put(range.begin, bytes(range));
+      if (rounds > 50) throw std::runtime_error("asks for ever");
+    }
+  }
+  // Frames in which all nodes are wanted until no more requests come, each answered by `answer`.
+  static void fetch_all(hlod::RemoteOhlod& remote, const std::vector<NodeId>& nodes,
+                        const std::function<void(const hlod::RemoteRequest&)>& answer) {
+    hlod::NodeStore& store = *remote.file().hlod.store();
+    for (int i = 0; i < 200; ++i) {
+      store.begin_frame();
+      for (const NodeId n : nodes) store.want({&n, 1}, 1.0);
+      store.end_frame();
+      while (const auto request = remote.next()) answer(*request);
+    }
+  }
+
+  std::vector<char> content_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Of, FarNodeImages, ::testing::Values(OlodCompression::none, OlodCompression::zstd),
+                         [](const auto& of) { return of.param == OlodCompression::none ? "plain" : "packed"; });
+
+// A third of the answers is lost and comes later: for meshes, for images, and for both.
+TEST_P(FarNodeImages, AreThoseOfTheFile) {
+  hlod::RemoteOhlod remote("far.ohlod", content_.size());
+  EXPECT_LE(open(remote), 3);
+  int count = 0;
+  fetch_all(remote, all(), [&](const hlod::RemoteRequest& request) {
+    EXPECT_FALSE(request.again);
+    EXPECT_LE(request.range.end - request.range.begin, 2U << 20U);
+    if (count++ % 3 == 0) return remote.lose(request.id);
+    remote.arrive(request.id, bytes(request.range));
+  });
+  const OhlodFile whole = read_ohlod(file_);
+  for (const NodeId n : all()) {
+    whole.hlod.require(n);
+    ASSERT_TRUE(remote.file().hlod.is_resident(n)) << n;
+    const hlod::NodeMesh mesh = remote.file().hlod.mesh(n), truth = whole.hlod.mesh(n);
+    EXPECT_FALSE(mesh.image.empty());
+    EXPECT_TRUE(std::ranges::equal(mesh.image, truth.image));
+    EXPECT_TRUE(std::ranges::equal(mesh.image_coordinates, truth.image_coordinates));
+    EXPECT_TRUE(std::ranges::equal(mesh.positions, truth.positions));
+  }
+  EXPECT_TRUE(remote.take_cancelled().empty());
+  EXPECT_TRUE(remote.take_dropped_images().empty());
+}
+
+// A node whose image is lost waits for it, and keeps the mesh that has come.
+TEST_P(FarNodeImages, AreWaitedFor) {
+  hlod::RemoteOhlod remote("far.ohlod", content_.size());
+  open(remote);
+  const NodeId child = built().children(built().data().roots[0])[0];
+  hlod::NodeStore& store = *remote.file().hlod.store();
+  const auto frame = [&](bool is_wanted) {
+    store.begin_frame();
+    if (is_wanted) store.want({&child, 1}, 1.0);
+    store.end_frame();
+  };
+  frame(true);
+  const auto mesh = remote.next(), image = remote.next();
+  ASSERT_TRUE(mesh && image);
+  EXPECT_FALSE(remote.next());
+  remote.arrive(mesh->id, bytes(mesh->range));
+  remote.lose(image->id);
+  frame(true);
+  EXPECT_FALSE(remote.file().hlod.is_resident(child));
+  const auto again = remote.next();
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->range, image->range);
+  EXPECT_FALSE(remote.next());
+  frame(false);
+  EXPECT_EQ(remote.take_cancelled(), std::vector<std::uint32_t>{again->id});
+  EXPECT_EQ(store.stats().loading_bytes, 0U);
+  frame(true);
+  for (int i = 0; i < 2; ++i) {
+    const auto request = remote.next();
+    ASSERT_TRUE(request);
+    remote.arrive(request->id, bytes(request->range));
+  }
+  frame(true);
+  EXPECT_TRUE(remote.file().hlod.is_resident(child));
+}
+
+// Damage that stays costs a node its image, and says so once; it is asked for again before. That of a root is not.
+TEST_P(FarNodeImages, DamagedOnesLeaveTheirNodes) {
+  const NodeId leaf = built().data().levels[0].first_node, root = built().data().roots[0];
+  for (const bool heals : {true, false}) {
+    hlod::RemoteOhlod remote("far.ohlod", content_.size());
+    open(remote);
+    damage_what_comes(leaf);
+    int again = 0;
+    fetch_all(remote, all(), [&](const hlod::RemoteRequest& request) {
+      if (request.again && again++ == 0 && heals) damage_what_comes(leaf);
+      remote.arrive(request.id, bytes(request.range));
+    });
+    if (!heals) damage_what_comes(leaf);
+    EXPECT_EQ(again, 2) << "mesh and image";
+    ASSERT_TRUE(remote.file().hlod.is_resident(leaf));
+    const hlod::NodeMesh mesh = remote.file().hlod.mesh(leaf);
+    EXPECT_EQ(std::ranges::all_of(mesh.image, [](std::uint8_t byte) { return byte == 0; }), !heals);
+    const std::vector<std::string> lines = remote.take_dropped_images();
+    ASSERT_EQ(lines.size(), heals ? 0U : 1U);
+    if (!heals) {
+      EXPECT_TRUE(lines[0].starts_with("far.ohlod: image of node " + std::to_string(leaf) + ": is damaged"));
+    }
+    EXPECT_EQ(remote.file().hlod.store()->stats().failed, 0U);
+  }
+  damage_what_comes(root);
+  hlod::RemoteOhlod remote("far.ohlod", content_.size());
+  open(remote);
+  EXPECT_TRUE(remote.file().hlod.is_resident(root));
+  EXPECT_EQ(remote.take_dropped_images().size(), 1U);
 }
 
 // A table that leads outside of the images is refused before anything is read there.

@@ -1,6 +1,7 @@
 // What three_test.js calls in the browser: a scene with one .ohlod, drawn in one flat colour over another, so that pixels
 // without surface can be counted.
 import * as three from "three";
+import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { Ohlod } from "@occlod/three";
 
 const [width, height] = [innerWidth, innerHeight];
@@ -17,6 +18,7 @@ const scene = new three.Scene();
 scene.background = background;
 const camera = new three.PerspectiveCamera(45, width / height, 0.001, 100);
 let ohlod;
+let whole; // after load()
 let opened; // when
 
 const frame = () => new Promise(requestAnimationFrame);
@@ -70,11 +72,12 @@ const count = (mask) => mask.reduce((sum, is) => sum + is, 0);
 window.page = {
   failures: [],
 
-  open(url, options, at) {
+  // `color` null: those of the file, and its images.
+  open(url, { color = 0x406080, ...options }, at) {
     ohlod?.dispose();
     page.failures = [];
     opened = performance.now();
-    ohlod = new Ohlod(url, { ...options, material: new three.MeshBasicMaterial({ color: 0x406080, side: three.DoubleSide }) });
+    ohlod = new Ohlod(url, { ...options, material: new three.MeshBasicMaterial({ color: color ?? 0xffffff, vertexColors: color === null, side: three.DoubleSide }) });
     ohlod.addEventListener("failure", ({ message }) => page.failures.push(message));
     scene.add(ohlod);
     place(at);
@@ -150,6 +153,63 @@ window.page = {
     for (const byte of bits) text += String.fromCharCode(byte);
     return btoa(text);
   },
+
+  // Loads a whole model, to be drawn in place of the streamed one by compare().
+  async load(url) {
+    const { scene: loaded } = await new GLTFLoader().loadAsync(url);
+    loaded.traverse((mesh) => {
+      if (!mesh.isMesh) return;
+      const { map, color } = mesh.material;
+      if (map) map.anisotropy = 4;
+      mesh.material = new three.MeshBasicMaterial({ map, color, side: three.DoubleSide });
+    });
+    whole = loaded;
+  },
+
+  // Draws both from one place. Returns the peak signal-to-noise ratio of pixels that both cover, in dB, and the share of red
+  // ones, which no image has, in each. `texels`: of images of nodes that are drawn.
+  compare({ isWhole = false } = {}) {
+    const gl = renderer.getContext();
+    const draw = (object) => {
+      scene.clear();
+      scene.add(object);
+      render();
+      const rgba = new Uint8Array(4 * width * height);
+      gl.readPixels(margin, margin, width, height, gl.RGBA, gl.UNSIGNED_BYTE, rgba);
+      return rgba;
+    };
+    const [streamed, true_] = [draw(ohlod), draw(whole)];
+    if (!isWhole) draw(ohlod);
+    const maps = ohlod.children.filter((mesh) => mesh.visible).flatMap((mesh) => mesh.material).map(({ map }) => map?.image);
+    const texels = [...new Set(maps)].reduce((sum, image) => sum + (image ? image.width * image.height : 0), 0);
+    const isEmpty = (rgba, i) => rgba[i] > 250 && rgba[i + 1] < 5 && rgba[i + 2] > 250;
+    const isRed = (rgba, i) => rgba[i] > 150 && rgba[i + 1] < 60 && rgba[i + 2] < 60;
+    let [pixels, squares, red, trueRed] = [0, 0, 0, 0];
+    for (let i = 0; i < streamed.length; i += 4) {
+      if (isEmpty(streamed, i) || isEmpty(true_, i)) continue;
+      ++pixels;
+      for (let k = 0; k < 3; ++k) squares += (streamed[i + k] - true_[i + k]) ** 2;
+      red += isRed(streamed, i);
+      trueRed += isRed(true_, i);
+    }
+    return { pixels, psnr: 10 * Math.log10((255 ** 2 * 3 * pixels) / squares), red: red / pixels, trueRed: trueRed / pixels, textures: renderer.info.memory.textures, texels };
+  },
+
+  // An image in other bytes, base 64.
+  async encode(base64, type) {
+    const bitmap = await createImageBitmap(await (await fetch(`data:image/png;base64,${base64}`)).blob());
+    const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+    canvas.getContext("2d").drawImage(bitmap, 0, 0);
+    const bytes = new Uint8Array(await (await canvas.convertToBlob({ type, quality: 0.95 })).arrayBuffer());
+    return btoa(bytes.reduce((text, byte) => text + String.fromCharCode(byte), ""));
+  },
+
+  close() {
+    ohlod.dispose();
+    render();
+  },
+
+  textures: () => renderer.info.memory.textures,
 
   hideOne() {
     const drawn = ohlod.children.filter((mesh) => mesh.visible);

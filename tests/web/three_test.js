@@ -10,6 +10,7 @@ import puppeteer from "puppeteer-core";
 
 import { folder, fronts, run } from "./native.js";
 import { serve } from "./range_server.js";
+import { glb, largePngs, pngs } from "./textured_model.js";
 
 const here = process.cwd();
 const pictures = process.env.OCCLOD_PICTURES ?? folder;
@@ -53,7 +54,8 @@ async function openPage() {
 
 const outside = (angle, distance) => ({ eye: [distance * Math.sin(angle), 0.4, distance * Math.cos(angle)], target: [0, 0, 0] });
 const inside = (angle) => ({ eye: [0.5 * Math.sin(angle), 0, 0.5 * Math.cos(angle)], target: [0.2, 1, 0.4], fovY: 70 });
-const open = (options, at) => page.evaluate((...given) => window.page.open(...given), `${server.url}/data/${path.basename(ohlod)}`, { memory, ...options }, at);
+const openFile = (file, options, at) => page.evaluate((...given) => window.page.open(...given), `${server.url}/data/${path.basename(file)}`, { memory, ...options }, at);
+const open = (options, at) => openFile(ohlod, options, at);
 const look = (at) => page.evaluate((at) => window.page.look(at), at);
 const fly = (cameras, options) => page.evaluate((...given) => window.page.fly(...given), cameras, options);
 const faultless = () => (server.link.fault = () => undefined);
@@ -206,13 +208,134 @@ test("a budget is kept, and geomorphs have no holes", async () => {
   assert.deepEqual(complaints, []);
 });
 
+// A model with images, whole and in nodes; and the places of the nodes' images in the file.
+function textured(name, images, mimeType) {
+  const [model, file] = [".glb", ".ohlod"].map((ending) => path.join(path.dirname(ohlod), name + ending));
+  fs.writeFileSync(model, glb(images, mimeType));
+  run("hlod", "build", model, "-o", file);
+  const bytes = fs.readFileSync(file);
+  const places = [];
+  const begin = mimeType === "image/png" ? Buffer.from("\x89PNG\r\n", "latin1") : Buffer.from([0xff, 0xd8, 0xff, 0xe0]);
+  for (let at = 0; (at = bytes.indexOf(begin, at)) >= 0; ++at) places.push(at);
+  return { model, file, bytes, places };
+}
+const load = ({ model }) => page.evaluate((url) => window.page.load(url), `${server.url}/data/${path.basename(model)}`);
+const compare = (options) => page.evaluate((options) => window.page.compare(options), options);
+const picture = (name) => page.screenshot({ path: path.join(pictures, `three_${name}.png`) });
+const colors = { color: null, occlusion: false };
+
+test("nodes show their own images as the whole model shows its images", async (context) => {
+  const model = textured("textured", pngs(), "image/png");
+  await openPage();
+  await load(model);
+  const facts = await openFile(model.file, colors, outside(0.6, 3.4));
+  assert.ok(facts.hasImages && facts.hasColors);
+  const views = { far: outside(0.6, 3.4), near: outside(1.9, 1.7), oblique: { eye: [0.2, 1.15, 0.6], target: [0, 0.9, 0] } };
+  for (const [name, at] of Object.entries(views)) {
+    const seen = await look(at);
+    const { psnr, pixels, red, trueRed, textures } = await compare();
+    await picture(`textured_${name}`);
+    await compare({ isWhole: true });
+    await picture(`textured_${name}_whole`);
+    const { bytesLoaded, requests, memoryBytes } = seen.stats;
+    context.diagnostic(`${name}: ${psnr.toFixed(1)} dB of ${pixels} pixels, ${textures} textures, ${bytesLoaded} of ${model.bytes.length} bytes in ${requests} requests, ${memoryBytes} bytes of memory`);
+    assert.ok(psnr > 30, `${name}: ${psnr}`);
+    assert.ok(Math.abs(red - trueRed) < 0.1 * trueRed + 1e-4, `${red}, ${trueRed}`);
+    assert.equal(seen.holes, 0);
+    if (name === "far") assert.ok(bytesLoaded < 0.6 * model.bytes.length, `${bytesLoaded}`); // images that nobody sees stay away
+  }
+  // Vertices that slide take their places in the image along.
+  const coarse = [];
+  for (const geomorph of [false, true]) {
+    await openFile(model.file, { ...colors, geomorph, tolerancePx: 3 }, views.far);
+    for (let i = 0; i < 3; ++i) {
+      assert.equal((await look(outside(0.6, 3.4 - 0.3 * i))).holes, 0);
+      coarse.push((await compare()).psnr);
+    }
+  }
+  context.diagnostic(`3 px, and with geomorphs: ${coarse.map((psnr) => psnr.toFixed(1)).join(", ")} dB`);
+  for (const psnr of coarse) assert.ok(psnr > 18, coarse.join()); // what slides is up to 3 px off, and its texels with it
+});
+
+test("JPEGs of nodes are shown, too, and lost and slow answers cost time alone", async (context) => {
+  await openPage();
+  const jpegs = [];
+  for (const image of pngs()) jpegs.push(Buffer.from(await page.evaluate((...given) => window.page.encode(...given), image.toString("base64"), "image/jpeg"), "base64"));
+  const model = textured("jpegs", jpegs, "image/jpeg");
+  await load(model);
+  let asked = 0;
+  server.link.fault = ({ file }) => (file === model.file ? [undefined, "drop", undefined, "stall", 503, undefined][asked++ % 6] : undefined);
+  await openFile(model.file, { ...colors, stallMs: 500 }, outside(2, 2.4));
+  const { stats } = await look(outside(2, 2.4));
+  faultless();
+  const { psnr } = await compare();
+  context.diagnostic(`${psnr.toFixed(1)} dB, ${stats.requests} requests, ${stats.lost} lost`);
+  assert.ok(psnr > 30 && stats.lost > 2 && stats.failed === 0, JSON.stringify(stats));
+});
+
+test("images keep to the limit of memory and go with their nodes", async (context) => {
+  const model = textured("large", largePngs(), "image/png");
+  await openPage();
+  await load(model);
+  const shown = []; // texels, with each limit
+  for (const [limit, options] of [[2 ** 29, {}], [48 * 2 ** 20, {}], [24 * 2 ** 20, { tolerancePx: 4 }]]) {
+    await openFile(model.file, { ...colors, memory: limit, ...options }, outside(0, 2.6));
+    await page.evaluate(() => window.page.first());
+    const flown = await fly(Array.from({ length: 30 }, (_, i) => outside(0.5 * i, 3 - 0.04 * i)));
+    const fast = await fly(Array.from({ length: 300 }, (_, i) => outside(0.1 * i, 1.4 + ((i * 7) % 100) / 100)), { picture: false });
+    const most = Math.max(flown.memoryBytes, fast.memoryBytes);
+    const { psnr, textures, texels } = await compare();
+    context.diagnostic(`at most ${most} of ${limit} bytes, ${textures} textures, ${texels} texels, ${psnr.toFixed(1)} dB`);
+    assert.equal(flown.holes, 0);
+    assert.ok(most > 0.1 * limit && most <= limit, `${most}`);
+    assert.ok(psnr > 30 && textures > 10, `${psnr}`);
+    shown.push(texels);
+  }
+  assert.ok(shown[1] < 0.5 * shown[0] && shown[1] * (4 + 16 / 3) <= (48 * 2 ** 20) / 4, shown.join());
+  await page.evaluate(() => window.page.close());
+  assert.equal(await page.evaluate(() => window.page.textures()), 2); // those of the whole model
+});
+
+test("a damaged image leaves the colours of materials and a line; other nodes have theirs", async () => {
+  const model = textured("textured", pngs(), "image/png");
+  const spoil = (isSpoilt) => ({ file, begin, end }) => {
+    if (file !== model.file) return undefined;
+    const part = Buffer.from(model.bytes.subarray(begin, end));
+    for (const [i, at] of model.places.entries()) if (isSpoilt(i) && at + 40 >= begin && at + 40 < end) part[at + 40 - begin] ^= 255;
+    return part;
+  };
+  await openPage();
+  await load(model);
+  const at = outside(0.6, 2.4);
+  const results = [];
+  for (const isSpoilt of [() => false, (i) => i % 3 === 1, () => true]) {
+    server.link.fault = spoil(isSpoilt);
+    await openFile(model.file, colors, at);
+    const seen = await look(at);
+    const failures = await page.evaluate(() => window.page.failures);
+    results.push({ seen, failures, ...(await compare()) });
+    await picture(`damaged_${results.length}`);
+  }
+  faultless();
+  const [good, some, none] = results;
+  assert.deepEqual(good.failures, []);
+  assert.ok(some.failures.length > 0 && none.failures.length > some.failures.length);
+  for (const line of none.failures) assert.match(line, /^textured\.ohlod: image of node \d+: is damaged: its checksum is wrong; /);
+  for (const { seen } of results) assert.deepEqual([seen.holes, seen.stats.failed, seen.stats.hash], [0, 0, good.seen.stats.hash]);
+  assert.ok(good.psnr > some.psnr && some.psnr > none.psnr, JSON.stringify(results.map(({ psnr }) => psnr)));
+});
+
 test("TypeScript's compiler accepts the examples of @occlod/three", () => {
   execFileSync("node_modules/.bin/tsc", ["--noEmit", "--strict", "--skipLibCheck", "--target", "es2022", "--module", "nodenext", "--lib", "es2023,dom", "three_example.ts"], { stdio: "pipe", encoding: "utf8" });
 });
 
 test("the package is small", (context) => {
-  const files = ["index.js", "stream.js", "worker.js"];
+  const files = ["index.js", "stream.js", "worker.js", "node_images.js"];
   const bytes = files.map((file) => zlib.gzipSync(fs.readFileSync(path.join("node_modules/@occlod/three", file)), { level: 9 }).length).reduce((a, b) => a + b);
   context.diagnostic(`${bytes} bytes, compressed, beside three.js and occlod`);
   assert.ok(bytes < 20000);
+  const streams = ["calls.js", "hlod.js", "wasm/hlod.js", "wasm/hlod.wasm"].map((file) => zlib.gzipSync(fs.readFileSync(path.join("node_modules/occlod", file)), { level: 9 }).length);
+  const sum = streams.reduce((a, b) => a + b);
+  context.diagnostic(`${sum} bytes of occlod`);
+  assert.ok(sum <= 240000, `${sum} bytes`);
 });

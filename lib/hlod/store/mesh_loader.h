@@ -28,9 +28,16 @@ struct StoredMesh {
   std::size_t bytes = 0;
 };
 
+// Locates the image of a node in a file that is far away.
+struct StoredImage {
+  std::uint64_t place = 0;     // in the file
+  std::size_t bytes = 0;       // 0: the node has none
+  std::uint64_t checksum = 0;  // XXH3-64 of it
+};
+
 class LoadQueue;
 
-// Only one thread at a time may call this, except for bytes_of() and stored().
+// Only one thread at a time may call this, except for bytes_of(), stored() and stored_image().
 class MeshSource {
  public:
   MeshSource() = default;
@@ -43,6 +50,8 @@ class MeshSource {
   [[nodiscard]] virtual std::size_t bytes_of(NodeId n) const noexcept = 0;
   // Returns where the mesh of node n is stored. Consecutive nodes are adjacent if one ends where the next begins.
   [[nodiscard]] virtual StoredMesh stored(NodeId n) const noexcept = 0;
+  // Returns where the image of node n is stored, if it has to be fetched beside the mesh before unpack() is called.
+  [[nodiscard]] virtual StoredImage stored_image(NodeId /*n*/) const noexcept { return {}; }
   // Reads the stored meshes of consecutive, adjacent nodes from `first` on, each into an array of stored() bytes.
   // Throws Error when they cannot be read.
   virtual void read(NodeId first, std::span<const std::span<std::byte>> meshes) = 0;

@@ -230,7 +230,7 @@ struct Tables {
   OlodCompression compression = OlodCompression::none;
 };
 
-// Reads the tables; if `is_far` only what drawing needs, without images and features. Throws Error.
+// Reads the tables; if `is_far` only what drawing needs, without images of materials and features. Throws Error.
 Tables read_tables(const std::shared_ptr<SectionReader>& reader, bool is_far = false) {
   Tables tables;
   hlod::HlodView& view = tables.view;
@@ -251,7 +251,7 @@ Tables read_tables(const std::shared_ptr<SectionReader>& reader, bool is_far = f
   if (!is_far) view.features = hlod::read_features(*reader, tables.owner->feature_names);
   tables.report = reader->read_report();
   if (reader->has(packed_meshes_name)) tables.compression = OlodCompression::zstd;
-  if (!is_far && reader->has(node_images_name)) {
+  if (reader->has(node_images_name)) {
     view.node_images = reader->read<hlod::NodeImage>(node_images_name);
     view.image_materials = reader->read<std::uint8_t>(image_materials_name);
     const std::uint64_t end = reader->bytes_of(images_name);
@@ -403,10 +403,10 @@ std::unique_ptr<Unpacking> unpack_into(UninitializedVector<std::byte>& unpacked,
 // Reads meshes from an open file.
 class FileMeshes final : public hlod::MeshSource {
  public:
-  FileMeshes(std::shared_ptr<const ByteSource> file, MakeQueue make_queue, std::shared_ptr<const SectionReader> reader,
+  FileMeshes(std::shared_ptr<const ByteSource> file, FarAway far, std::shared_ptr<const SectionReader> reader,
              const hlod::HlodView& view, std::span<const std::uint64_t> digests, std::optional<PackedNodes> packed)
       : file_(std::move(file)),
-        make_queue_(std::move(make_queue)),
+        far_(std::move(far)),
         reader_(std::move(reader)),
         view_(view),
         digests_(digests),
@@ -423,6 +423,12 @@ class FileMeshes final : public hlod::MeshSource {
   [[nodiscard]] hlod::StoredMesh stored(hlod::NodeId n) const noexcept override {
     if (packed_) return {packed_->places[n], packed_->bytes_of(n)};
     return {view_.nodes[n].mesh, mesh_bytes_of(n)};
+  }
+
+  [[nodiscard]] hlod::StoredImage stored_image(hlod::NodeId n) const noexcept override {
+    if (!far_.make_queue || image_bytes_of(view_, n) == 0) return {};
+    const hlod::NodeImage& image = view_.node_images[n];
+    return {images_place_ + image.place, image.bytes, image.checksum};
   }
 
   void read(hlod::NodeId first, std::span<const std::span<std::byte>> meshes) override {
@@ -456,10 +462,10 @@ class FileMeshes final : public hlod::MeshSource {
     return mesh;
   }
 
-  [[nodiscard]] bool reads_ahead() const noexcept override { return make_queue_ == nullptr; }
+  [[nodiscard]] bool reads_ahead() const noexcept override { return far_.make_queue == nullptr; }
 
   [[nodiscard]] std::unique_ptr<hlod::LoadQueue> make_queue() override {
-    return make_queue_ ? make_queue_(*this) : MeshSource::make_queue();
+    return far_.make_queue ? far_.make_queue(*this) : MeshSource::make_queue();
   }
 
  private:
@@ -476,12 +482,18 @@ class FileMeshes final : public hlod::MeshSource {
     } catch (const std::system_error& error) {
       reader_->refuse(place, fmt::format("cannot be read: {}", error.code().message()), "check that the file is whole");
     }
-    if (checksum_of(image) != view_.node_images[n].checksum)
+    if (checksum_of(image) == view_.node_images[n].checksum) return;
+    try {
       reader_->refuse(place, "is damaged: its checksum is wrong");
+    } catch (const Error& error) {
+      if (!far_.drop_image) throw;
+      std::ranges::fill(image, std::byte{0});
+      far_.drop_image(error.what());
+    }
   }
 
   std::shared_ptr<const ByteSource> file_;
-  MakeQueue make_queue_;
+  FarAway far_;
   std::shared_ptr<const SectionReader> reader_;
   hlod::HlodView view_;
   std::span<const std::uint64_t> digests_;
@@ -535,15 +547,15 @@ OhlodFile open_ohlod(const std::filesystem::path& path, const hlod::CacheOptions
 }
 
 OhlodFile ohlod::open_ohlod(std::shared_ptr<const ByteSource> file, const std::filesystem::path& name,
-                            const hlod::CacheOptions& cache, MakeQueue make_queue) {
+                            const hlod::CacheOptions& cache, FarAway far) {
   const auto reader = std::make_shared<SectionReader>(file, name, file_kind);
-  const auto [view, owner, report, compression] = read_tables(reader, make_queue != nullptr);
+  const auto [view, owner, report, compression] = read_tables(reader, far.make_queue != nullptr);
   std::optional<PackedNodes> packed;
   if (compression == OlodCompression::zstd)
     packed = read_packed(*reader, packed_meshes_name, mesh_places_name, view.nodes.size(),
                          [&view = view](hlod::NodeId n) { return mesh_extent(view, n); });
   const auto digests = check_nodes(*reader, view, packed ? packed->unpacked_bytes : reader->bytes_of(meshes_name));
-  auto source = std::make_unique<FileMeshes>(std::move(file), std::move(make_queue), reader, view, digests, packed);
+  auto source = std::make_unique<FileMeshes>(std::move(file), std::move(far), reader, view, digests, packed);
   return {paged_hlod(std::make_shared<hlod::NodeStore>(view, owner, std::move(source), cache)), report, compression,
           reader->header().version};
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "base/byte_source.h"
@@ -87,13 +88,17 @@ void for_each_within_array(View& view, const Visit& visit) {
   visit(splits_name, view.splits, true);
 }
 
-// Makes what reads the meshes of a source: see MeshSource::make_queue().
-using MakeQueue = std::function<std::unique_ptr<hlod::LoadQueue>(hlod::MeshSource& source)>;
+// How a file that is far away is read. Images of materials and features are not.
+struct FarAway {
+  // Makes what reads the meshes of a source: see MeshSource::make_queue(). Null: the file is here.
+  std::function<std::unique_ptr<hlod::LoadQueue>(hlod::MeshSource& source)> make_queue;
+  // Is told in a line of each node's image that has come damaged: its bytes are 0.
+  std::function<void(const std::string& problem)> drop_image;
+};
 
-// Opens a file as the public open_ohlod() does; `name` stands for it in messages. With `make_queue`, which may be null
-// elsewhere, images in the file are not read: it is far away.
+// Opens a file as the public open_ohlod() does; `name` stands for it in messages.
 [[nodiscard]] OhlodFile open_ohlod(std::shared_ptr<const ByteSource> file, const std::filesystem::path& name,
-                                   const hlod::CacheOptions& cache, MakeQueue make_queue = {});
+                                   const hlod::CacheOptions& cache, FarAway far = {});
 
 // Returns the XXH3-64 of the mesh of a node with padding for the next. The place of the mesh has been checked.
 [[nodiscard]] std::uint64_t digest_of_mesh(const hlod::HlodView& view, hlod::NodeId n);

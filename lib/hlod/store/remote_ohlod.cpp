@@ -95,12 +95,13 @@ class RemoteBytes final : public ByteSource {
   mutable std::optional<ByteRange> lacking_;
 };
 
-// Gives the loads of a store away as requests. A request that has begun is taken back with all others when a frame
-// ends, and kept if its nodes are wanted again.
+// Gives the loads of a store away as requests: one for meshes, and one for images where nodes have them. A request that
+// has begun is taken back with all others when a frame ends, and kept if its nodes are wanted again.
 class RemoteLoads final : public LoadQueue {
  public:
-  // `place`: of the meshes in the file.
-  RemoteLoads(MeshSource& source, std::uint64_t place) : source_(source), place_(place) {}
+  // `place`: of the meshes in the file. Images that have come pass through `bytes`, of which the source reads them.
+  RemoteLoads(MeshSource& source, std::uint64_t place, std::shared_ptr<RemoteBytes> bytes)
+      : source_(source), place_(place), bytes_(std::move(bytes)) {}
 
   [[nodiscard]] bool is_lost() const noexcept override { return false; }
 
@@ -119,7 +120,7 @@ class RemoteLoads final : public LoadQueue {
     }
     std::erase_if(flights_, [&](const Flight& flight) {
       const bool is_wanted = std::ranges::find(flight.wanted, true) != flight.wanted.end();
-      if (!is_wanted) cancelled_.push_back(flight.request.id);
+      if (!is_wanted) cancel(flight);
       return !is_wanted;
     });
   }
@@ -141,33 +142,49 @@ class RemoteLoads final : public LoadQueue {
   }
 
   [[nodiscard]] std::optional<RemoteRequest> next() {
+    for (Flight& flight : flights_)
+      for (Part& part : flight.parts)
+        if (part.id == 0) return begun(flight, part);
     if (waiting_.empty()) return std::nullopt;
     const MeshLoad load = std::move(waiting_.front());
     waiting_.pop_front();
+    const auto count = static_cast<NodeId>(load.meshes.size());
     const std::uint64_t begin = place_ + source_.stored(load.first).place;
-    Flight flight{{++last_id_, {begin, begin + load.bytes}, false}, load.first, {}};
-    flight.wanted.resize(load.meshes.size(), true);
-    for (NodeId i = 0; i < flight.wanted.size(); ++i)
-      flight.request.again = flight.request.again || damaged_.contains(load.first + i);
-    flights_.push_back(flight);
-    return flight.request;
+    Flight flight{load.first, std::vector<bool>(count, true), false, {}};
+    flight.parts.push_back({0, {begin, begin + load.bytes}, {}});
+    if (const ByteRange images = images_of(load.first, count); images.begin < images.end)
+      flight.parts.push_back({0, images, {}});
+    for (NodeId i = 0; i < count; ++i) flight.again = flight.again || damaged_.contains(load.first + i);
+    flights_.push_back(std::move(flight));
+    return begun(flights_.back(), flights_.back().parts[0]);
   }
 
   void arrive(std::uint32_t id, std::span<const std::byte> bytes) {
-    const std::optional<Flight> flight = take(id);
-    if (!flight) return;
-    if (bytes.size() != flight->request.range.end - flight->request.range.begin) return lose(*flight);
-    for_each_wanted(*flight, [&](NodeId first, NodeId count) { unpack(*flight, first, count, bytes); });
+    const auto [flight, part] = find(id);
+    if (flight == flights_.end()) return;
+    if (bytes.size() != part->range.end - part->range.begin) return lose(id);
+    part->bytes.assign(bytes.begin(), bytes.end());
+    if (!std::ranges::all_of(flight->parts, [](const Part& other) { return other.is_here(); })) return;
+    const Flight whole = take(flight);
+    if (whole.parts.size() > 1) bytes_->put(whole.parts[1].range.begin, whole.parts[1].bytes);
+    for_each_wanted(whole, [&](NodeId first, NodeId count) { unpack(whole, first, count); });
+    bytes_->forget();
   }
 
   void lose(std::uint32_t id) {
-    if (const std::optional<Flight> flight = take(id)) lose(*flight);
+    const auto [flight, part] = find(id);
+    if (flight == flights_.end()) return;
+    part->id = 0;
+    if (std::ranges::any_of(flight->parts, [](const Part& other) { return other.id != 0; })) return;
+    for_each_wanted(take(flight), [&](NodeId first, NodeId count) { wait_for(first, count); });
   }
 
   void fail(std::uint32_t id, const std::string& problem) {
-    const std::optional<Flight> flight = take(id);
-    if (!flight) return;
-    for_each_wanted(*flight, [&](NodeId first, NodeId count) {
+    const auto [flight, part] = find(id);
+    if (flight == flights_.end()) return;
+    part->id = 0;
+    cancel(*flight);
+    for_each_wanted(take(flight), [&](NodeId first, NodeId count) {
       MeshLoad load = load_of(first, count);
       load.problems.assign(count, problem);
       ended_.push_back(std::move(load));
@@ -177,11 +194,33 @@ class RemoteLoads final : public LoadQueue {
   [[nodiscard]] std::vector<std::uint32_t> take_cancelled() { return std::exchange(cancelled_, {}); }
 
  private:
+  // More than this is not asked for at once, unless it belongs to one node: it would arrive late.
+  static constexpr std::uint64_t most_bytes = 1U << 20U;
+
+  struct Part {
+    std::uint32_t id = 0;  // of its request; 0: it is to be asked for
+    ByteRange range;       // in the file
+    std::vector<std::byte> bytes;
+
+    [[nodiscard]] bool is_here() const noexcept { return !bytes.empty(); }
+  };
   struct Flight {
-    RemoteRequest request;
     NodeId first = 0;
     std::vector<bool> wanted;  // by node, from `first` on
+    bool again = false;
+    std::vector<Part> parts;  // meshes; images, if any
   };
+  using Flights = std::vector<Flight>;
+
+  [[nodiscard]] RemoteRequest begun(const Flight& flight, Part& part) {
+    part.id = ++last_id_;
+    return {part.id, part.range, flight.again};
+  }
+
+  void cancel(const Flight& flight) {
+    for (const Part& part : flight.parts)
+      if (part.id != 0 && !part.is_here()) cancelled_.push_back(part.id);
+  }
 
   [[nodiscard]] MeshLoad load_of(NodeId first, NodeId count) const {
     MeshLoad load{first, 0, std::vector<MeshBytes>(count), {}};
@@ -189,8 +228,27 @@ class RemoteLoads final : public LoadQueue {
     return load;
   }
 
+  // Returns what holds the images of some nodes; nothing where they have none.
+  [[nodiscard]] ByteRange images_of(NodeId first, NodeId count) const {
+    ByteRange range;
+    for (NodeId n = first; n < first + count; ++n)
+      if (const StoredImage image = source_.stored_image(n); image.bytes > 0)
+        range = range.end == 0 ? ByteRange{image.place, image.place + image.bytes}
+                               : ByteRange{std::min(range.begin, image.place),
+                                           std::max<std::uint64_t>(range.end, image.place + image.bytes)};
+    return range;
+  }
+
   void wait_for(NodeId first, NodeId count) {
-    if (count > 0) waiting_.push_back(load_of(first, count));
+    while (count > 0) {
+      NodeId part = count;
+      for (ByteRange images = images_of(first, part); part > 1 && images.end - images.begin > most_bytes;
+           images = images_of(first, part))
+        part = (part + 1) / 2;
+      waiting_.push_back(load_of(first, part));
+      first += part;
+      count -= part;
+    }
   }
 
   [[nodiscard]] Flight* flight_of(NodeId n) {
@@ -199,9 +257,15 @@ class RemoteLoads final : public LoadQueue {
     return found == flights_.end() ? nullptr : &*found;
   }
 
-  [[nodiscard]] std::optional<Flight> take(std::uint32_t id) {
-    const auto found = std::ranges::find_if(flights_, [&](const Flight& flight) { return flight.request.id == id; });
-    if (found == flights_.end()) return std::nullopt;
+  // Returns the flight that waits for this request, and the part that it is for; flights_.end() where none does.
+  [[nodiscard]] std::pair<Flights::iterator, Part*> find(std::uint32_t id) {
+    for (auto flight = flights_.begin(); flight != flights_.end(); ++flight)
+      for (Part& part : flight->parts)
+        if (part.id == id && !part.is_here()) return {flight, &part};
+    return {flights_.end(), nullptr};
+  }
+
+  [[nodiscard]] Flight take(Flights::iterator found) {
     Flight flight = std::move(*found);
     flights_.erase(found);
     return flight;
@@ -219,16 +283,17 @@ class RemoteLoads final : public LoadQueue {
     }
   }
 
-  void lose(const Flight& flight) {
-    for_each_wanted(flight, [&](NodeId first, NodeId count) { wait_for(first, count); });
-  }
-
   // Ends a run of nodes of a flight, but for those that are asked for again.
-  void unpack(const Flight& flight, NodeId first, NodeId count, std::span<const std::byte> bytes) {
+  void unpack(const Flight& flight, NodeId first, NodeId count) {
     const std::uint64_t begin = source_.stored(flight.first).place;
     for (NodeId n = first; n < first + count; ++n) {
+      if (!is_image_whole(flight, n) && damaged_.insert(n).second) {
+        wait_for(n, 1);
+        continue;
+      }
       const StoredMesh stored = source_.stored(n);
-      const auto part = bytes.subspan(static_cast<std::size_t>(stored.place - begin), stored.bytes);
+      const auto part =
+          std::span(flight.parts[0].bytes).subspan(static_cast<std::size_t>(stored.place - begin), stored.bytes);
       MeshLoad load{n, stored.bytes, std::vector<MeshBytes>(1), std::vector<std::string>(1)};
       try {
         auto copy = std::make_unique_for_overwrite<std::byte[]>(part.size());
@@ -245,10 +310,20 @@ class RemoteLoads final : public LoadQueue {
     }
   }
 
+  [[nodiscard]] bool is_image_whole(const Flight& flight, NodeId n) const {
+    const StoredImage image = source_.stored_image(n);
+    if (image.bytes == 0) return true;
+    const Part& part = flight.parts[1];
+    const auto bytes =
+        std::span(part.bytes).subspan(static_cast<std::size_t>(image.place - part.range.begin), image.bytes);
+    return sections::checksum_of(bytes) == image.checksum;
+  }
+
   MeshSource& source_;
   std::uint64_t place_;
+  std::shared_ptr<RemoteBytes> bytes_;
   std::deque<MeshLoad> waiting_, ended_;
-  std::vector<Flight> flights_;
+  Flights flights_;
   std::vector<std::uint32_t> cancelled_;
   std::set<NodeId> damaged_;  // have come damaged once
   std::uint32_t last_id_ = 0;
@@ -261,8 +336,9 @@ using sections::Section;
 
 // What open() reads of a file. Other sections are not fetched: those of refinement within nodes, and what this program
 // does not know.
-constexpr std::array<std::string_view, 13> table_names = {"NODE", "PTCH", "CHIL", "ROOT", "LEVL", "BLOK", "PMPL",
-                                                          "INFO", "LATT", "ORIG", "MATE", "REPO", "LEFN"};
+constexpr std::array<std::string_view, 15> table_names = {"NODE", "PTCH", "CHIL", "ROOT", "LEVL",
+                                                          "BLOK", "PMPL", "INFO", "LATT", "ORIG",
+                                                          "MATE", "REPO", "LEFN", "NIMG", "IMAT"};
 // Asked for at once with what is needed: a request costs more than so many bytes.
 constexpr std::uint64_t worth_joining = 64U << 10U;
 
@@ -307,8 +383,9 @@ class Needs {
       if (const Section* const section = find(name))
         ranges.push_back({section->offset, section->offset + section->bytes});
     // Coarse nodes come first, so some of the roots are probably among them.
-    if (const Section* const meshes = find(ohlod::packed_meshes_name))
-      ranges.push_back({meshes->offset, meshes->offset + std::min(meshes->bytes, worth_joining)});
+    for (const std::string_view name : {ohlod::packed_meshes_name, ohlod::images_name})
+      if (const Section* const section = find(name))
+        ranges.push_back({section->offset, section->offset + std::min(section->bytes, worth_joining)});
     std::vector<ByteRange> missing = bytes_.missing(joined(std::move(ranges), size));
     return missing.empty() ? bytes_.missing(joined(roots(), size)) : missing;
   }
@@ -350,13 +427,19 @@ class Needs {
     return result;
   }
 
-  // Meshes of roots in a packed file. Those of others are asked for as reading them fails.
+  // Meshes of roots in a packed file, and images of roots. Others are asked for as reading them fails.
   [[nodiscard]] std::vector<ByteRange> roots() {
     const auto places = elements<std::uint64_t>(ohlod::mesh_places_name);
+    const auto images = elements<NodeImage>(ohlod::node_images_name);
+    const Section* const all_images = find(ohlod::images_name);
     std::vector<ByteRange> ranges;
-    for (const NodeId root : elements<NodeId>("ROOT"))
+    for (const NodeId root : elements<NodeId>("ROOT")) {
       if (std::size_t{root} + 1 < places.size())
         ranges.push_back({place_of_meshes() + places[root], place_of_meshes() + places[root + 1]});
+      if (root < images.size() && all_images != nullptr)
+        ranges.push_back(
+            {all_images->offset + images[root].place, all_images->offset + images[root].place + images[root].bytes});
+    }
     return ranges;
   }
 
@@ -377,15 +460,17 @@ std::vector<ByteRange> RemoteOhlod::open(const CacheOptions& cache) {
   Needs needs(*bytes_);
   if (std::vector<ByteRange> missing = needs.missing(); !missing.empty()) return missing;
   const auto make_queue = [&](MeshSource& source) {
-    auto loads = std::make_unique<RemoteLoads>(source, needs.place_of_meshes());
+    auto loads = std::make_unique<RemoteLoads>(source, needs.place_of_meshes(), bytes_);
     loads_ = loads.get();
     return loads;
   };
   try {
-    file_ = ohlod::open_ohlod(bytes_, name_, cache, make_queue);
+    file_ = ohlod::open_ohlod(bytes_, name_, cache,
+                              {make_queue, [this](const std::string& problem) { dropped_images_.push_back(problem); }});
   } catch (const Error&) {
     const std::optional<ByteRange> lacking = bytes_->take_lacking();
     if (!lacking) throw;
+    dropped_images_.clear();  // they are read again
     return joined({{lacking->begin, std::max(lacking->end, lacking->begin + worth_joining)}}, bytes_->size());
   }
   if (cache.load == LoadMode::async) bytes_->forget();
@@ -397,5 +482,6 @@ void RemoteOhlod::arrive(std::uint32_t id, std::span<const std::byte> bytes) { l
 void RemoteOhlod::lose(std::uint32_t id) { loads_->lose(id); }
 void RemoteOhlod::fail(std::uint32_t id, const std::string& problem) { loads_->fail(id, problem); }
 std::vector<std::uint32_t> RemoteOhlod::take_cancelled() { return loads_->take_cancelled(); }
+std::vector<std::string> RemoteOhlod::take_dropped_images() { return std::exchange(dropped_images_, {}); }
 
 }  // namespace occlod::hlod

@@ -21,7 +21,7 @@ struct ByteRange {
   friend bool operator==(const ByteRange&, const ByteRange&) = default;
 };
 
-// Bytes to fetch for meshes of nodes.
+// Bytes to fetch for meshes of nodes, or for their images.
 struct RemoteRequest {
   std::uint32_t id = 0;
   ByteRange range;
@@ -51,8 +51,8 @@ class RemoteOhlod {
   // What follows is for files opened with LoadMode::async. Frames ask for meshes: returns what to fetch next, the most
   // urgent first, if anything. Each request is answered once, by one of the next three, unless it is cancelled.
   [[nodiscard]] std::optional<RemoteRequest> next();
-  // Takes the bytes of a request, at any time between frames: meshes come with the next frame. A mesh that is damaged
-  // is asked for again, once.
+  // Takes the bytes of a request, at any time between frames: meshes come with the next frame, once their images are
+  // there too. What is damaged is asked for again, once.
   void arrive(std::uint32_t id, std::span<const std::byte> bytes);
   // Tells that they have not come: they are asked for again if they are still wanted.
   void lose(std::uint32_t id);
@@ -60,12 +60,16 @@ class RemoteOhlod {
   void fail(std::uint32_t id, const std::string& problem);
   // Returns the requests that frames since the last call have made needless. Answers to them are ignored.
   [[nodiscard]] std::vector<std::uint32_t> take_cancelled();
+  // Returns a line on each image that has come damaged since the last call: NodeMesh::image of its node is 0
+  // throughout. Those of roots are not asked for again.
+  [[nodiscard]] std::vector<std::string> take_dropped_images();
 
  private:
   std::string name_;
   std::shared_ptr<RemoteBytes> bytes_;
   std::optional<OhlodFile> file_;
   RemoteLoads* loads_ = nullptr;  // of the store of file_
+  std::vector<std::string> dropped_images_;
 };
 
 }  // namespace occlod::hlod

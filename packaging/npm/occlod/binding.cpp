@@ -2,6 +2,7 @@
 #include "binding.h"
 
 #include <fmt/format.h>
+#include <zstd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -339,6 +340,20 @@ EMSCRIPTEN_KEEPALIVE const Bytes* occlod_seen(const RefinerState* state) {
         const bool back = !state->objects[i].two_sided && !faces_eye(t, positions, views[i].eye());
         kept.push_back(owns[kept.size()] ? 0 : outside_a_plane(t, positions, views[i]) ? 3 : back ? 2 : 1);
       }
+    return bytes_of<std::uint8_t>(kept);
+  });
+}
+
+// Undoes `zstd --patch-from`: of bin/occlod.js, whose module has much of this one.
+EMSCRIPTEN_KEEPALIVE const Bytes* occlod_patched(const std::byte* base, std::size_t base_size, const std::byte* patch,
+                                                 std::size_t patch_size) {
+  return guarded([&] {
+    const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
+    const unsigned long long size = ZSTD_getFrameContentSize(patch, patch_size);
+    kept.resize(size < ZSTD_CONTENTSIZE_ERROR ? static_cast<std::size_t>(size) : 0);
+    if (context == nullptr || ZSTD_isError(ZSTD_DCtx_refPrefix(context.get(), base, base_size)) != 0 ||
+        ZSTD_decompressDCtx(context.get(), kept.data(), kept.size(), patch, patch_size) != kept.size())
+      throw Error({"occlod", "", "has a damaged command line", "install it again"});
     return bytes_of<std::uint8_t>(kept);
   });
 }

@@ -57,6 +57,10 @@ export interface NodeMesh {
   colors: Uint16Array;
   /** Four for each vertex: where it slides to, relative to where it is, and the place of its patch in patches(). */
   slides: Float32Array;
+  /** The node's own image, PNG or JPEG; empty when there is none, or when it came damaged. */
+  image: Uint8Array;
+  /** Two for each vertex: where it is in the image, 65,535 for width and height, from the top left. Empty without an image. */
+  imageCoordinates: Uint16Array;
 }
 
 /**
@@ -84,6 +88,10 @@ export class Hlod {
   readonly hasNormals: boolean;
   /** Of vertices or materials. */
   readonly hasColors: boolean;
+  /** Whether nodes have images of their own. */
+  readonly hasImages: boolean;
+  /** The limit for meshes and images that open() was given; frees what no longer fits. */
+  set memory(bytes: number);
   /** 16 numbers by columns, its coordinates to world. */
   setTransform(transform: Iterable<number>): void;
   /** Selects nodes that together show everything visible, without gaps. */
@@ -94,6 +102,8 @@ export class Hlod {
   mesh<Name extends keyof NodeMesh = "positions" | "normals" | "indices">(node: number, what?: Name[]): Pick<NodeMesh, Name>;
   /** The first index of each patch: the triangles that one coarser node replaces. */
   patches(node: number): Uint32Array;
+  /** Of a node with an image, for each patch the first index of triangles that show their material's colour instead. */
+  imageEnds(node: number): Uint32Array;
   /** What to fetch next, the most urgent first. `again`: it came damaged, and a cache may hold it. */
   nextRequest(): { id: number; begin: number; end: number; again: boolean } | undefined;
   /** The bytes of a request. */
@@ -104,7 +114,7 @@ export class Hlod {
   fail(id: number, problem: string): void;
   /** Requests that have become needless. */
   takeCancelled(): number[];
-  /** A line on each node that has failed since the last call. */
+  /** A line on each node, and each image of one, that has failed since the last call. */
   takeFailures(): string[];
   readonly store: { residentBytes: number; residentNodes: number; loadingBytes: number; budgetBytes: number; failed: number; loads: number; bytesLoaded: number; evictions: number };
   dispose(): void;

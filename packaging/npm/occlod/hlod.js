@@ -5,7 +5,7 @@ import start from "./wasm/hlod.js";
 const { ready, library, text, checked, withBytes, withName, view, copy, numbers, setCamera } = connect(start);
 export { OcclodError, ready };
 
-const meshArrays = { positions: [0, Float32Array], normals: [1, Float32Array], indices: [2, Uint16Array], colors: [3, Uint16Array], slides: [4, Float32Array] };
+const meshArrays = { positions: [0, Float32Array], normals: [1, Float32Array], indices: [2, Uint16Array], colors: [3, Uint16Array], slides: [4, Float32Array], image: [5, Uint8Array], imageCoordinates: [6, Uint16Array] };
 
 export class Hlod {
   #owned;
@@ -40,7 +40,7 @@ export class Hlod {
     if (!ends.length) {
       this.#open = true;
       library()._occlod_hlod_facts(this.#owned.pointer);
-      this.#facts = [...numbers().subarray(0, 15)];
+      this.#facts = [...numbers().subarray(0, 16)];
     }
     return Array.from({ length: ends.length / 2 }, (_, i) => [ends[2 * i], ends[2 * i + 1]]);
   }
@@ -81,6 +81,13 @@ export class Hlod {
   get hasColors() {
     return Boolean(this.#fact(14));
   }
+  get hasImages() {
+    return Boolean(this.#fact(15));
+  }
+
+  set memory(bytes) {
+    checked(library()._occlod_limit_hlod(this.#pointer, bytes));
+  }
 
   setTransform(transform) {
     numbers().set(transform);
@@ -119,6 +126,10 @@ export class Hlod {
   }
   patches(node) {
     return copy(Uint32Array, library()._occlod_node_patches(this.#pointer, node));
+  }
+
+  imageEnds(node) {
+    return copy(Uint32Array, library()._occlod_image_ends(this.#pointer, node));
   }
 
   nextRequest() {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <glm/common.hpp>
+#include <glm/gtc/type_precision.hpp>
 #include <glm/vec4.hpp>
 #include <optional>
 
@@ -43,6 +44,33 @@ void add_colors(const hlod::HlodView& view, const hlod::NodeMesh& mesh, std::vec
     for (int i = 0; i < 4; ++i)
       out.push_back(static_cast<std::uint16_t>(std::lround(std::clamp(color[i], 0.0F, 1.0F) * 65535.0F)));
   }
+}
+
+// An image that has come damaged is 0 throughout, as no image begins.
+bool has_image(const hlod::NodeMesh& mesh) { return !mesh.image.empty() && mesh.image[0] != 0; }
+
+// Of a node with an image: its indices, where triangles of each patch come first that show the image, and where the
+// others begin in each patch.
+std::vector<std::uint16_t> sorted_indices;
+std::vector<std::uint32_t> image_ends;
+
+void sort_by_image(const hlod::Hlod& hlod, hlod::NodeId n) {
+  const hlod::NodeMesh mesh = hlod.mesh(n);
+  const hlod::HlodView& view = hlod.data();
+  const auto shows_it = [&](std::size_t i) {
+    const std::size_t material = mesh.materials.empty() ? 0 : mesh.materials[mesh.indices[i]];
+    return material < view.image_materials.size() && view.image_materials[material] != 0;
+  };
+  sorted_indices.resize(mesh.indices.size());
+  image_ends.clear();
+  std::size_t to = 0;
+  for (const hlod::Patch& patch : hlod.patches(n))
+    for (const bool is_shown : {true, false}) {
+      for (std::size_t i = patch.first_index; i < patch.first_index + patch.index_count; i += 3)
+        if (shows_it(i) == is_shown)
+          for (std::size_t k = 0; k < 3; ++k) sorted_indices[to++] = mesh.indices[i + k];
+      if (is_shown) image_ends.push_back(static_cast<std::uint32_t>(to));
+    }
 }
 
 }  // namespace
@@ -88,7 +116,8 @@ EMSCRIPTEN_KEEPALIVE const Bytes* occlod_open_hlod(HlodState* state, double memo
   });
 }
 
-// numbers: triangles of the input, nodes, levels, box, origin, 1 where y is up, 1 where there are normals, colours.
+// numbers: triangles of the input, nodes, levels, box, origin, 1 where y is up, 1 where there are normals,
+// colours, images of nodes.
 EMSCRIPTEN_KEEPALIVE void occlod_hlod_facts(const HlodState* state) {
   const hlod::HlodView& view = state->hlod().data();
   numbers = {static_cast<double>(view.input_triangle_count), static_cast<double>(view.nodes.size()),
@@ -96,6 +125,15 @@ EMSCRIPTEN_KEEPALIVE void occlod_hlod_facts(const HlodState* state) {
   tell_place(3, view.box, view.origin, view.up);
   numbers[13] = view.has_normals ? 1.0 : 0.0;
   numbers[14] = view.has_colors || view.has_materials || !view.materials.empty() ? 1.0 : 0.0;
+  numbers[15] = view.node_images.empty() ? 0.0 : 1.0;
+}
+
+// Sets the limit of memory for meshes and their images, bytes, which was given to occlod_open_hlod().
+EMSCRIPTEN_KEEPALIVE bool occlod_limit_hlod(HlodState* state, double memory) {
+  return guarded([&] {
+    state->hlod().store()->set_budget(static_cast<std::size_t>(memory));
+    return true;
+  });
 }
 
 // numbers: the transform of its coordinates.
@@ -143,7 +181,9 @@ EMSCRIPTEN_KEEPALIVE const Bytes* occlod_selected(const HlodState* state) {
 }
 
 // What is 0: positions, 1: normals, 2: indices, 3: colours, four numbers of 16 bits each, linear light; 4: where
-// vertices slide to, three floats relative to where they are and the place of their patch among those of the node.
+// vertices slide to, three floats relative to where they are and the place of their patch among those of the node; 5:
+// the image, encoded, empty where there is none that is whole; 6: where vertices are in it, two shares of 65,535.
+// Indices of a node with an image are sorted, see occlod_image_ends().
 EMSCRIPTEN_KEEPALIVE const Bytes* occlod_node_mesh(const HlodState* state, hlod::NodeId node, int what) {
   return guarded([&]() -> const Bytes* {
     const hlod::Hlod& hlod = state->hlod();
@@ -151,7 +191,13 @@ EMSCRIPTEN_KEEPALIVE const Bytes* occlod_node_mesh(const HlodState* state, hlod:
     const hlod::NodeMesh mesh = hlod.mesh(node);
     if (what == 0) return bytes_of<glm::vec3>(mesh.positions);
     if (what == 1) return bytes_of<glm::vec3>(mesh.normals);
-    if (what == 2) return bytes_of<std::uint16_t>(mesh.indices);
+    if (what == 5) return bytes_of(has_image(mesh) ? mesh.image : std::span<const std::uint8_t>());
+    if (what == 6) return bytes_of<glm::u16vec2>(mesh.image_coordinates);
+    if (what == 2 && mesh.image.empty()) return bytes_of<std::uint16_t>(mesh.indices);
+    if (what == 2) {
+      sort_by_image(hlod, node);
+      return bytes_of<std::uint16_t>(sorted_indices);
+    }
     static std::vector<std::uint16_t> colors;
     static std::vector<glm::vec4> slides;
     if (what == 3) {
@@ -183,6 +229,17 @@ EMSCRIPTEN_KEEPALIVE const Bytes* occlod_node_patches(const HlodState* state, hl
   return bytes_of<std::uint32_t>(firsts);
 }
 
+// Where the triangles that do not show the image of the node begin in each patch of a node with an image.
+EMSCRIPTEN_KEEPALIVE const Bytes* occlod_image_ends(const HlodState* state, hlod::NodeId node) {
+  return guarded([&]() -> const Bytes* {
+    const hlod::Hlod& hlod = state->hlod();
+    hlod.require(node);
+    image_ends.clear();
+    if (!hlod.mesh(node).image.empty()) sort_by_image(hlod, node);
+    return bytes_of<std::uint32_t>(image_ends);
+  });
+}
+
 // numbers: what to fetch next: its id, begin and end in the file, 1 where it came damaged before. False: nothing.
 EMSCRIPTEN_KEEPALIVE bool occlod_next_request(HlodState* state) {
   const auto request = state->remote.next();
@@ -207,10 +264,11 @@ EMSCRIPTEN_KEEPALIVE const Bytes* occlod_cancelled(HlodState* state) {
   return bytes_of<std::uint32_t>(ids);
 }
 
-// Lines on nodes that have failed since the last call.
+// Lines on nodes and images that have failed since the last call.
 EMSCRIPTEN_KEEPALIVE const char* occlod_node_failures(HlodState* state) {
   text.clear();
   for (const std::string& line : state->hlod().store()->take_failures()) text += line + '\n';
+  for (const std::string& line : state->remote.take_dropped_images()) text += line + '\n';
   return text.c_str();
 }
 

@@ -14,9 +14,15 @@ export interface OhlodOptions {
   slackPx?: number;
   /** Let vertices slide from level to level, by morph targets; false when not given. */
   geomorph?: boolean;
-  /** A hard limit for meshes in the worker, in main memory and in that of the GPU together, bytes; 512 MiB when not given. */
+  /**
+   * A hard limit for meshes and images in the worker, in main memory and in that of the GPU together, bytes; 512 MiB when not
+   * given. Images that would take more than a quarter are halved.
+   */
   memory?: number;
-  /** Of all meshes. A standard material, with colours and normals of the file, when not given. */
+  /**
+   * Of all meshes. A standard material, with colours and normals of the file, when not given. Nodes with images of their own
+   * have one that inherits from it, with their `map`.
+   */
   material?: Material;
   /** At once; 6 when not given. */
   requests?: number;
@@ -62,7 +68,10 @@ export interface OhlodEventMap extends Object3DEventMap {
   change: {};
   /** Nothing more will come. */
   error: { error: Error };
-  /** A node never comes, and coarser ones take its place; or the last camera sees nothing that can be drawn. */
+  /**
+   * A node never comes, and coarser ones take its place; its image is damaged, and it has the colours of its materials; or the
+   * last camera sees nothing that can be drawn.
+   */
   failure: { message: string };
 }
 
@@ -90,6 +99,8 @@ export class Ohlod extends Group<OhlodEventMap> {
     up: "y" | "z";
     hasNormals: boolean;
     hasColors: boolean;
+    /** Whether nodes have images of their own. Images that all nodes share are not shown. */
+    hasImages: boolean;
   };
   readonly material: Material | undefined;
   readonly stats: OhlodStats;

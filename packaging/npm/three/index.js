@@ -1,12 +1,16 @@
 // An object for three.js that shows an .ohlod file while it streams in. A worker streams, unpacks and selects; here is what
 // it has selected last, which is always a whole picture without gaps. index.d.ts describes the class.
-import { BufferAttribute, BufferGeometry, Group, Mesh, MeshStandardMaterial, Sphere, Vector2, Vector3, WebGPUCoordinateSystem } from "three";
+import { BufferAttribute, BufferGeometry, Group, Material, Mesh, MeshStandardMaterial, SRGBColorSpace, Sphere, Texture, Vector2, Vector3, WebGPUCoordinateSystem } from "three";
+import { texelBytes } from "./node_images.js";
 
 // Of the limit of memory, what the worker may have in meshes. A mesh here takes at most 1.25 times its bytes there, in main
 // memory and again in that of the GPU, and two selections may be here at once. With geomorphs a vertex has a target in each
 // of up to four patches.
 const workerShare = { plain: 1 / 6, geomorph: 1 / 24 };
+// Where nodes have images, meshes have half of that, and the images of one selection this share of the limit.
+const imageShare = 1 / 4;
 
+const anisotropy = 4; // of images: surfaces are seen at any angle
 const size = new Vector2();
 
 // By address: WebAssembly that is compiled while workers start, for all objects that have the same.
@@ -30,7 +34,7 @@ export class Ohlod extends Group {
   #material;
   #worker;
   #facts;
-  #meshes = new Map(); // by node: {mesh, bytes, used}
+  #meshes = new Map(); // by node: {mesh, bytes, used}, and with an image {material}
   #bytes = 0; // of them
   #dropped = []; // nodes, since the last question
   #frame = 0;
@@ -56,8 +60,9 @@ export class Ohlod extends Group {
     });
     this.ready.catch(() => {}); // whoever awaits it hears of it
     const base = globalThis.document?.baseURI ?? globalThis.location?.href;
-    const share = geomorph ? workerShare.geomorph : workerShare.plain;
-    const open = { url: new URL(url, base).href, memory: Math.floor(memory * share), geomorph, requests, stallMs, fetchOptions };
+    const meshes = memory * (geomorph ? workerShare.geomorph : workerShare.plain);
+    const limits = { memory: Math.floor(meshes), meshMemory: Math.floor(meshes / 2), imageMemory: Math.floor(memory * imageShare) };
+    const open = { url: new URL(url, base).href, ...limits, geomorph, requests, stallMs, fetchOptions };
     this.#worker.postMessage({ open });
     const address = wasm ? new URL(wasm, base) : new URL("../../occlod/wasm/hlod.wasm", import.meta.url);
     moduleAt(address.href).then((wasm) => this.#worker.postMessage({ wasm }));
@@ -188,15 +193,18 @@ export class Ohlod extends Group {
     ++this.#frame;
     this.#asking = false;
     const before = this.#last?.stats.hash;
-    const { meshes, ...last } = selection;
+    const { meshes, pictures, ...last } = selection;
     this.#last = last;
     for (const { mesh } of this.#meshes.values()) mesh.visible = false;
     for (const { node } of last.nodes) {
       const held = this.#meshes.get(node);
       if (held) held.used = this.#frame;
     }
-    this.#makeRoom(meshes.reduce((sum, mesh) => sum + this.#bytesOf(mesh), 0));
+    for (const { node } of pictures) this.#takeImage(node); // one of another size
+    const bytes = pictures.reduce((sum, { image }) => sum + bytesOfImage(image), 0);
+    this.#makeRoom(meshes.reduce((sum, mesh) => sum + this.#bytesOf(mesh), bytes));
     for (const mesh of meshes) this.#hold(mesh);
+    for (const { node, image } of pictures) this.#giveImage(node, image);
     for (const node of last.nodes) this.#draw(node);
     for (const message of last.failures) this.dispatchEvent({ type: "failure", message });
     // A frame takes over only so much of what has come: then the next one has the rest.
@@ -213,8 +221,8 @@ export class Ohlod extends Group {
   }
 
   // In main memory and in that of the GPU, where targets have a texture.
-  #bytesOf({ positions, indices, normals, colors, slides, patchCount }) {
-    const arrays = [positions, indices, normals, colors].reduce((sum, array) => sum + (array?.byteLength ?? 0), 0);
+  #bytesOf({ positions, indices, normals, colors, imageCoordinates, slides, patchCount }) {
+    const arrays = [positions, indices, normals, colors, imageCoordinates].reduce((sum, array) => sum + (array?.byteLength ?? 0), 0);
     return 2 * arrays + (slides ? (positions.length / 3) * patchCount * (12 + 16) : 0);
   }
 
@@ -230,11 +238,12 @@ export class Ohlod extends Group {
   }
 
   #hold(given) {
-    const { node, positions, indices, normals, colors, slides, patchCount } = given;
+    const { node, positions, indices, normals, colors, imageCoordinates, slides, patchCount } = given;
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(positions, 3));
     if (normals) geometry.setAttribute("normal", new BufferAttribute(normals, 3));
     if (colors) geometry.setAttribute("color", new BufferAttribute(colors, 4, true));
+    if (imageCoordinates?.length) geometry.setAttribute("uv", new BufferAttribute(imageCoordinates, 2, true));
     geometry.setIndex(new BufferAttribute(indices, 1));
     geometry.boundingSphere = sphereOf(positions);
     if (slides && patchCount > 0) {
@@ -252,18 +261,45 @@ export class Ohlod extends Group {
     this.#meshes.set(node, { mesh, bytes, used: this.#frame });
   }
 
+  #giveImage(node, image) {
+    const held = this.#meshes.get(node);
+    const texture = new Texture(image);
+    texture.colorSpace = SRGBColorSpace;
+    texture.flipY = false;
+    texture.anisotropy = anisotropy;
+    texture.needsUpdate = true;
+    held.material = withMap(this.#material, texture);
+    held.bytes += bytesOfImage(image);
+    this.#bytes += bytesOfImage(image);
+  }
+
+  // Frees the image of a node that may be held.
+  #takeImage(node) {
+    const held = this.#meshes.get(node);
+    if (!held?.material) return;
+    const { map } = held.material;
+    held.bytes -= bytesOfImage(map.image);
+    this.#bytes -= bytesOfImage(map.image);
+    held.material.dispose();
+    map.dispose();
+    map.image.close();
+    held.material = undefined;
+  }
+
   #draw({ node, ranges, shares }) {
-    const { mesh } = this.#meshes.get(node);
+    const { mesh, material = this.#material } = this.#meshes.get(node);
     mesh.visible = true;
     mesh.geometry.clearGroups();
+    const materials = [material, this.#material];
     const isOne = ranges.length === 1;
-    mesh.material = isOne ? this.#material : [this.#material];
+    mesh.material = isOne ? materials[Number(ranges[0].isPlain ?? false)] : materials;
     mesh.geometry.setDrawRange(isOne ? ranges[0].first : 0, isOne ? ranges[0].count : Infinity);
-    if (!isOne) for (const { first, count } of ranges) mesh.geometry.addGroup(first, count, 0);
+    if (!isOne) for (const { first, count, isPlain = false } of ranges) mesh.geometry.addGroup(first, count, Number(isPlain));
     shares.forEach((share, i) => (mesh.morphTargetInfluences[i] = share));
   }
 
   #drop(node) {
+    this.#takeImage(node);
     const { mesh, bytes } = this.#meshes.get(node);
     this.#meshes.delete(node);
     this.#bytes -= bytes;
@@ -271,6 +307,15 @@ export class Ohlod extends Group {
     this.remove(mesh);
     mesh.geometry.dispose();
   }
+}
+
+const bytesOfImage = ({ width, height }) => Math.ceil(width * height * texelBytes);
+
+// A material that is the given one, whatever becomes of that, but for its map.
+function withMap(material, map) {
+  const { id, uuid } = new Material();
+  const own = { id, uuid, map, _listeners: undefined };
+  return Object.create(material, Object.fromEntries(Object.entries(own).map(([name, value]) => [name, { value, writable: true, enumerable: true }])));
 }
 
 function sphereOf(positions) {

@@ -1,13 +1,22 @@
 #!/usr/bin/env node
-// The command line. Its WebAssembly is packed by Brotli: what pages load is not.
+// The command line. Its WebAssembly lies here as what the library lacks of it, which unpacks it.
 import { readFileSync } from "node:fs";
-import { brotliDecompressSync } from "node:zlib";
+
+async function runCommandLine() {
+  const { connect } = await import("../calls.js");
+  const { default: startLibrary } = await import("../wasm/library.js");
+  const { default: start } = await import("../wasm/occlod.js");
+  const read = (name) => readFileSync(new URL(`../wasm/${name}`, import.meta.url));
+  const [base, patch] = [read("library.wasm"), read("occlod.wasm.patch")];
+  const { ready, library, withBytes, copy } = connect(startLibrary);
+  await ready({ wasm: base });
+  const wasmBinary = withBytes([base, patch], (...at) => copy(Uint8Array, library()._occlod_patched(at[0], base.length, at[1], patch.length)));
+  await start({ arguments: process.argv.slice(2), wasmBinary });
+}
 
 if (process.argv[2] === "ktx2") {
   const { run } = await import("./ktx2/command.js");
   process.exitCode = await run(process.argv.slice(3));
 } else {
-  const { default: start } = await import("../wasm/occlod.js");
-  const packed = readFileSync(new URL("../wasm/occlod.wasm.br", import.meta.url));
-  await start({ arguments: process.argv.slice(2), wasmBinary: brotliDecompressSync(packed) });
+  await runCommandLine();
 }
