@@ -1,4 +1,4 @@
-// Smooth normals of the input of HLODs, which the vertices of all their nodes have: they are vertices of the input.
+// Smooth normals of the input of HLODs, for the vertices of all their nodes.
 #pragma once
 
 #include <cstddef>
@@ -14,23 +14,28 @@ namespace occlod::tool {
 class InputNormals {
  public:
   // Takes the triangles of level 0: the normal at a point is the mean of those of all triangles that have a corner
-  // there, weighted by area. O(vertices + triangles). Throws Error when a mapped file is damaged.
+  // there, weighted by area. A vertex of a coarser node that has moved has the mean of the vertices that slide to it.
+  // O(vertices + triangles). Throws Error when a mapped file is damaged.
   explicit InputNormals(std::span<const hlod::PlacedHlod> placed);
 
-  // Returns the normal at a vertex of one of the HLODs: unit length, object space. Returns zero where the input has no
-  // vertex, or its triangles there cancel out. O(1).
+  // Returns the normal at a vertex of one of the HLODs: unit length, object space. Returns zero where no node has a
+  // vertex, or triangles there cancel out. O(1).
   [[nodiscard]] glm::dvec3 at(std::size_t object, const glm::vec3& position) const;
 
  private:
   // A hash table of the vertices of one HLOD.
   class Table {
    public:
-    // Adds all of level 0.
+    // Adds all levels.
     explicit Table(const hlod::Hlod& hlod);
     // Returns the sum over triangles, twice their area long; null at no vertex.
     [[nodiscard]] const glm::vec3* find(const glm::vec3& position) const;
 
    private:
+    void add_corners(const hlod::Hlod& hlod, hlod::NodeId n);
+    void add_moved(const hlod::Hlod& hlod, const hlod::Level& level);
+    // Returns the sum of normals at the position, which is zero where it is new.
+    glm::vec3& at(const glm::vec3& position);
     struct Entry {
       glm::vec3 position;
       glm::vec3 normal;

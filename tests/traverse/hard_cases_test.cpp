@@ -114,7 +114,7 @@ TEST(BiasAtItsEnds, IsTraversed) {
       for (const double t : {0.0, 1.0}) {
         SoftwareDevice device;
         TrialTraverser traverser({&placed, 1});
-        for (int i = 0; i < 6; ++i) {
+        for (int i = 0; i < 12; ++i) {
           TrialOptions options = with(strategy, 1.0);
           options.bias = {s, t};
           const FrameStats& stats = traverser.draw_frame(View(walk(hlod.data().box, i, 100)), device, options).stats;

@@ -194,7 +194,7 @@ TEST(Paged, ADamagedNodeLeavesItsParentsCoarse) {
     EXPECT_EQ(drawn, patches_of(hlod, refined));
     EXPECT_EQ(refined[damaged], 0);
     for (const Patch& patch : hlod.patches(damaged)) EXPECT_EQ(refined[patch.parent], 0);
-    EXPECT_GT(std::count(refined.begin(), refined.end(), 1), static_cast<std::ptrdiff_t>(hlod.node_count() / 5));
+    EXPECT_GT(std::count(refined.begin(), refined.end(), 1), static_cast<std::ptrdiff_t>(hlod.node_count() / 6));
   }
 }
 
