@@ -62,7 +62,8 @@ struct ErrorChange {
 
   [[nodiscard]] float of(float error) const {
     if (farther == 0.0F) return nearer * error;
-    return static_cast<float>(std::hypot(static_cast<double>(error), static_cast<double>(farther)));
+    const double a = error, b = farther;
+    return static_cast<float>(std::sqrt(a * a + b * b));
   }
 };
 
