@@ -37,11 +37,11 @@ void InputNormals::Table::add_corners(const hlod::Hlod& hlod, hlod::NodeId n) {
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
     const auto corner = [&](std::size_t k) -> const glm::vec3& { return mesh.positions[mesh.indices[i + k]]; };
     const glm::vec3 normal = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
-    for (std::size_t k = 0; k < 3; ++k) at(corner(k)) += normal;
+    for (std::size_t k = 0; k < 3; ++k) at(corner(k)).normal += normal;
   }
 }
 
-// Adds to vertices of the next level that are where no vertex was those that slide to them.
+// Gives vertices of the next level that are where no vertex was the normals of the nearest that slide to them.
 void InputNormals::Table::add_moved(const hlod::Hlod& hlod, const hlod::Level& level) {
   const std::size_t known = entries_.size();
   for (hlod::NodeId n = level.first_node; n < level.first_node + level.node_count; ++n) {
@@ -59,20 +59,22 @@ void InputNormals::Table::add_moved(const hlod::Hlod& hlod, const hlod::Level& l
         is_added[v] = true;
         const std::uint32_t found = slots_[slot(parent.positions[into])];
         if (found > 0 && found <= known) continue;
-        const glm::vec3 normal = at(mesh.positions[v]);
-        at(parent.positions[into]) += normal;
+        const glm::vec3 step = parent.positions[into] - mesh.positions[v], normal = at(mesh.positions[v]).normal;
+        const float distance2 = glm::dot(step, step);
+        if (Entry& entry = at(parent.positions[into]); found == 0 || distance2 < entry.distance2)
+          entry = {parent.positions[into], normal, distance2};
       }
     }
   }
 }
 
-glm::vec3& InputNormals::Table::at(const glm::vec3& position) {
+InputNormals::Table::Entry& InputNormals::Table::at(const glm::vec3& position) {
   std::uint32_t& found = slots_[slot(position)];
   if (found == 0) {
     entries_.push_back({position, glm::vec3(0.0F)});
     found = static_cast<std::uint32_t>(entries_.size());
   }
-  return entries_[found - 1].normal;
+  return entries_[found - 1];
 }
 
 const glm::vec3* InputNormals::Table::find(const glm::vec3& position) const {

@@ -14,7 +14,7 @@ namespace occlod::tool {
 class InputNormals {
  public:
   // Takes the triangles of level 0: the normal at a point is the mean of those of all triangles that have a corner
-  // there, weighted by area. A vertex of a coarser node that has moved has the mean of the vertices that slide to it.
+  // there, weighted by area. A vertex of a coarser node that has moved has that of the nearest vertex that slides to it.
   // O(vertices + triangles). Throws Error when a mapped file is damaged.
   explicit InputNormals(std::span<const hlod::PlacedHlod> placed);
 
@@ -34,12 +34,13 @@ class InputNormals {
    private:
     void add_corners(const hlod::Hlod& hlod, hlod::NodeId n);
     void add_moved(const hlod::Hlod& hlod, const hlod::Level& level);
-    // Returns the sum of normals at the position, which is zero where it is new.
-    glm::vec3& at(const glm::vec3& position);
     struct Entry {
       glm::vec3 position;
       glm::vec3 normal;
+      float distance2 = 0.0F;  // of where the normal is from
     };
+    // Returns the entry of the position, a new one where there is none.
+    Entry& at(const glm::vec3& position);
     [[nodiscard]] std::size_t slot(const glm::vec3& position) const;
     std::vector<Entry> entries_;
     std::vector<std::uint32_t> slots_;  // a power of two; entry + 1, or 0 for none

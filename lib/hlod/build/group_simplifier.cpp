@@ -53,6 +53,7 @@ SimplifiedNode GroupSimplifier::run(const GroupInput& group, const GroupRules& r
   result.guaranteed_error =
       rules.measures != 0 ? measured_error(group.mesh, simplified_) : simplified_.guaranteed_error;
   if (rules.keeps_bounds != 0) result.box = box_of(group.boxes);
+  for (const glm::vec3& p : simplified_.positions) result.box = unite(result.box, {p, p});
   for (const Triangle& t : simplified_.triangles) result.triangles.push_back(global(t, group.vertices));
   add_wedges(result, rules.first_added);
   if (rules.names_wedges != 0)
@@ -62,7 +63,6 @@ SimplifiedNode GroupSimplifier::run(const GroupInput& group, const GroupRules& r
   if (rules.keeps_bounds == 0) return result;
   list_merges(result);
   list_vanished(result);
-  list_moved(result);
   if (!simplified_.collapses.empty() && wedges_.size() <= stays && can_replay()) keep_splits(result.within);
   return result;
 }
@@ -131,17 +131,6 @@ void GroupSimplifier::list_vanished(SimplifiedNode& result) {
       result.grown.push_back({vertex, grown.box});
     else
       result.grown.back().box = unite(result.grown.back().box, grown.box);
-  }
-}
-
-// Makes room for the vertices that have moved.
-void GroupSimplifier::list_moved(SimplifiedNode& result) const {
-  if (simplified_.positions.empty()) return;
-  for (VertexId v = 0; v < simplified_.positions.size(); ++v) {
-    const glm::vec3& p = simplified_.positions[v];
-    if (p == group_->mesh.positions[v]) continue;
-    result.box = unite(result.box, {p, p});
-    result.grown.push_back({group_->vertices[v], {p, p}});
   }
 }
 

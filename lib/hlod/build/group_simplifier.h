@@ -56,7 +56,6 @@ class GroupSimplifier {
   void list_merges(SimplifiedNode& result);
   void list_lost(SimplifiedNode& result);
   void list_vanished(SimplifiedNode& result);
-  void list_moved(SimplifiedNode& result) const;
   void note_left();
   [[nodiscard]] bool is_left(const std::array<std::uint32_t, 3>& corners) const;
   [[nodiscard]] VertexId vertex_of(WedgeId wedge) const;

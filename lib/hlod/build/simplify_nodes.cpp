@@ -26,7 +26,7 @@
 namespace occlod::hlod {
 namespace {
 
-constexpr std::uint32_t groups_at_once = 512;  // groups whose results are in memory at a time
+constexpr std::uint32_t groups_at_once = 256;  // groups whose results are in memory at a time
 // Levels of more groups than are sampled anyway are shared by processes: in about so many parts, each of at least and
 // at most so many groups. To hand a part out costs both sides some milliseconds, as much as to simplify a large group.
 constexpr std::uint32_t parts_of_level = 64, least_groups_of_part = 16, most_groups_of_part = 32;
@@ -105,7 +105,7 @@ class NodeSimplifier::Gatherer {
     copy(from.positions, input.wedges, input.mesh.positions);
     copy(all_.locked_, input.vertices, input.locked);
     copy(all_.boxes_, input.vertices, input.boxes);
-    if (!from.has_wedge_attributes()) return;
+    if (!all_.has_attributes_) return;
     copy(from.normals, input.wedges, input.mesh.normals);
     copy(from.colors, input.wedges, input.mesh.colors);
     copy(from.texture_coordinates, input.wedges, input.mesh.texture_coordinates);
@@ -146,16 +146,20 @@ NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const HlodBuildOptions& options,
       threads_(threads),
       journal_(journal),
       scale_(power_of_two_scale(mesh_.positions)),
+      has_seams_(mesh_.has_seams()),
+      has_attributes_(mesh_.has_wedge_attributes()),
       boxes_(mesh_.vertex_count()),
       locked_(mesh_.vertex_count(), 0),
       lost_(mesh_.vertex_count(), 0) {
   const auto& positions = mesh_.positions;
   for_each_id(boxes_.size(), threads, [&](VertexId v) { boxes_[v] = {positions[v], positions[v]}; });
+  if (refits()) mesh_.extra_wedges.reserve(mesh_.extra_wedges.size() + mesh_.wedge_count() / 2);
 }
 
 LevelDraft NodeSimplifier::run(LevelDraft& below, TriangleGroups groups, const ProgressPart& progress) {
   below.parent_of = std::move(groups.group_of);
   ++level_;
+  first_added_ = static_cast<WedgeId>(mesh_.wedge_count());
   LevelBuilder level(mesh_, below, groups.count, threads_);
   std::uint32_t first = 0;
   for (SimplifiedNode node; first < groups.count && journal_ != nullptr && journal_->take(node); ++first) {
@@ -163,8 +167,6 @@ LevelDraft NodeSimplifier::run(LevelDraft& below, TriangleGroups groups, const P
     progress.reach(below.triangles.size() / groups.count * first);
   }
   if (first < groups.count) simplify(below, first, groups.count, level, progress);
-  for_each_id(added_.size(), 1, [&](std::uint32_t i) { mesh_.add(added_[i]); });
-  added_.clear();
   LevelDraft result = level.finish();
   pass_on(result);
   return result;
@@ -191,8 +193,8 @@ GroupRules NodeSimplifier::rules_of(const LevelDraft& below, std::uint32_t group
   GroupRules rules;
   rules.scale = scale_;
   rules.least_share = static_cast<float>(reduction_.wanted_share);
-  rules.first_added = static_cast<WedgeId>(mesh_.wedge_count());
-  rules.names_wedges = refits() || mesh_.has_seams() ? 1 : 0;
+  rules.first_added = first_added_;
+  rules.names_wedges = refits() || has_seams_ ? 1 : 0;
   rules.refits = refits() ? 1 : 0;
   rules.lattice_step = mesh_.lattice_step;
   rules.keeps_splits = options_.within == Within::splits ? 1 : 0;
@@ -349,9 +351,9 @@ void NodeSimplifier::note(SimplifiedNode& result) {
   losses_.insert(losses_.end(), result.lost.begin(), result.lost.end());
   grown_.insert(grown_.end(), result.grown.begin(), result.grown.end());
   if (result.added.empty()) return;
-  const auto first = static_cast<WedgeId>(mesh_.wedge_count()), offset = static_cast<WedgeId>(added_.size());
-  added_.insert(added_.end(), result.added.begin(), result.added.end());
-  const auto move = [&](WedgeId& wedge) { wedge += wedge < first ? 0 : offset; };
+  const auto offset = static_cast<WedgeId>(mesh_.wedge_count()) - first_added_;
+  for (const NewWedge& wedge : result.added) mesh_.add(wedge);
+  const auto move = [&](WedgeId& wedge) { wedge += wedge < first_added_ ? 0 : offset; };
   for (Triangle& t : result.corners)
     for (int k = 0; k < 3; ++k) move(t[k]);
   for (Merge& merge : result.merges) {
@@ -368,6 +370,12 @@ void NodeSimplifier::pass_on(const LevelDraft& level) {
     const auto& [v, u] = level.merges[i];
     Box& box = boxes_[mesh_.vertex_of(u)];
     box = unite(box, boxes_[mesh_.vertex_of(v)]);
+  });
+  for_each_id(mesh_.wedge_count() - first_added_, 1, [&](std::uint32_t i) {
+    const WedgeId wedge = first_added_ + i;
+    const glm::vec3& p = mesh_.positions[wedge];
+    Box& box = boxes_[mesh_.vertex_of(wedge)];
+    box = unite(box, {p, p});
   });
   for_each_id(grown_.size(), 1, [&](std::uint32_t i) {
     Box& box = boxes_[grown_[i].vertex];

@@ -56,9 +56,10 @@ class NodeSimplifier {
   BuildJournal* journal_;
   float scale_;
   unsigned level_ = 0;  // that run() makes
-  // Vertices and wedges that the nodes of the unfinished level have lost and added, and boxes that have grown.
+  bool has_seams_, has_attributes_;  // of the input
+  WedgeId first_added_ = 0;          // wedges from here on are of the unfinished level
+  // Vertices that the nodes of that level have lost, and boxes that have grown.
   LargeVector<VertexId> losses_;
-  LargeVector<NewWedge> added_;
   LargeVector<GrownBox> grown_;
   // The next three arrays are indexed by vertex of the input mesh.
   UninitializedVector<Box>
