@@ -14,8 +14,8 @@ namespace occlod::tool {
 class InputNormals {
  public:
   // Takes the triangles of level 0: the normal at a point is the mean of those of all triangles that have a corner
-  // there, weighted by area. A vertex of a coarser node that has moved has that of the nearest vertex that slides to it.
-  // O(vertices + triangles). Throws Error when a mapped file is damaged.
+  // there, weighted by area. A vertex of a coarser node that has moved has that of the nearest vertex that slides to
+  // it. O(vertices + triangles). Throws Error when a mapped file is damaged.
   explicit InputNormals(std::span<const hlod::PlacedHlod> placed);
 
   // Returns the normal at a vertex of one of the HLODs: unit length, object space. Returns zero where no node has a

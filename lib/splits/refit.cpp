@@ -89,11 +89,7 @@ std::vector<std::uint8_t> on_borders(const ReducedMesh& mesh) {
 class Refit {
  public:
   Refit(const Reduction& reduction, const RefitRules& rules, unsigned threads)
-      : reduction_(reduction),
-        rules_(rules),
-        mesh_(reduction),
-        threads_(threads),
-        held_(on_borders(mesh_)) {
+      : reduction_(reduction), rules_(rules), mesh_(reduction), threads_(threads), held_(on_borders(mesh_)) {
     for (std::uint32_t i = 0; i < mesh_.size(); ++i) {
       if (!rules.held.empty() && rules.held[mesh_.vertex(i)] != 0) held_[i] = 1;
       at_.emplace_back(scaled(mesh_.vertex(i)));

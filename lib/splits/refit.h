@@ -26,10 +26,10 @@ struct RefitRules {
   std::span<const std::uint8_t> held{};  // per vertex of the input, nonzero: stays where it is; empty: none
   // Vertices move along the mean normal of their faces only, so that what is mapped onto them does not slide.
   bool along_normals = false;
-  float lattice_step = 0.0F;  // object space: new positions are multiples of it; 0: any
-  float least_step = 0.0F;    // object space: vertices that would move by less stay
+  float lattice_step = 0.0F;      // object space: new positions are multiples of it; 0: any
+  float least_step = 0.0F;        // object space: vertices that would move by less stay
   std::span<const float> most{};  // per vertex of the input, object space: it moves no farther; empty: any
-  bool keeps_apart = false;   // no vertex goes to where another one of the input is
+  bool keeps_apart = false;       // no vertex goes to where another one of the input is
 };
 
 // Returns the new position of each vertex of the input that reduced faces use; others keep theirs. First each vertex

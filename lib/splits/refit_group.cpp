@@ -16,8 +16,8 @@ namespace occlod {
 namespace {
 
 constexpr float least_step = 1.0F / 64.0F;  // of the group's error: smaller moves are not worth a position of their own
-// Of the largest error of a collapse into a vertex: without a limit, few vertices go far astray, where faces that are not
-// near them are taken for theirs.
+// Of the largest error of a collapse into a vertex: without a limit, few vertices go far astray, where faces that are
+// not near them are taken for theirs.
 constexpr float farthest_step = 4.0F;
 
 // Returns the vertices into which those of the group were merged.
@@ -51,7 +51,8 @@ std::vector<std::uint8_t> held(const GroupCollapses& group, const SimplifiedGrou
   const std::size_t vertices = group.mesh.vertex_count();
   std::vector<std::uint8_t> held(vertices, 0);
   if (!along_normals && !result.corners.empty()) held = on_seams(result.triangles, result.corners, vertices);
-  for (std::size_t v = 0; v < group.locked.size(); ++v) held[v] |= group.locked[v];
+  for (const std::span<const std::uint8_t> stay : {group.locked, group.target.held})
+    for (std::size_t v = 0; v < stay.size(); ++v) held[v] |= stay[v];
   return held;
 }
 
@@ -86,7 +87,7 @@ void refit_group(const GroupCollapses& group, SimplifyState& state, SimplifiedGr
   const std::vector<float> most = farthest_moves(group, target);
   const RefitRules rules{.held = stay,
                          .along_normals = along_normals,
-                         .lattice_step = group.lattice_step,
+                         .lattice_step = group.target.lattice_step,
                          .least_step = least_step * result.error,
                          .most = most,
                          .keeps_apart = true};
@@ -95,11 +96,13 @@ void refit_group(const GroupCollapses& group, SimplifyState& state, SimplifiedGr
   if (std::ranges::equal(moved, positions)) return;
 
   std::vector<float> steps(vertices, 0.0F);
+  float farthest = 0.0F;
   std::vector<ErrorChange> changes(vertices);
   for (const VertexId v : left) {
     if (moved[v] == positions[v]) continue;
     const glm::vec3 step = moved[v] - positions[v];
     steps[v] = scaled_up(static_cast<float>(glm::length(glm::dvec3(step))), 1.0F + 1e-6F);
+    farthest = std::max(farthest, steps[v]);
     changes[v] = change_of(state.vertices[v].quadric, state.scale, step);
   }
   result.error = group.torn;
@@ -111,8 +114,9 @@ void refit_group(const GroupCollapses& group, SimplifyState& state, SimplifiedGr
   for (std::size_t i = 0; i < result.bounds.size(); ++i) {
     const Triangle& t = result.triangles[i];
     result.bounds[i] = scaled_up(result.bounds[i] + std::max({steps[t.x], steps[t.y], steps[t.z]}), 1.0F + 1e-6F);
-    result.guaranteed_error = std::max(result.guaranteed_error, result.bounds[i]);
   }
+  // What the group had is within this too, so faces' own bounds would not do.
+  result.guaranteed_error = scaled_up(result.guaranteed_error + farthest, 1.0F + 1e-6F);
   result.positions = std::move(moved);
 }
 

@@ -197,16 +197,16 @@ SimplifiedGroup simplify_group(const TriangleMesh& mesh, std::span<const std::ui
   }
   result.cost = record.largest_cost;
   for (const float rank : record.ranks) result.cost = std::max(result.cost, rank);
-  list_faces(state, has_seams, target.lists_bounds || target.refits, wedges, result);
+  list_faces(state, has_seams, target.lists_bounds, wedges, result);
   result.merged_into = wedges.final_targets();
   if (target.keeps_collapses && !wedges.is_split())
     result.collapses = saturated(collapses, errors, wedges, mesh.vertex_count());
   result.added = wedges.added();
   if (target.refits)
-    refit_group({mesh, locked, target.lattice_step, collapses,
-                 has_attributes ? std::span<const float>(record.attribute_errors) : std::span<const float>(), record.torn},
-                state, result);
-  if (!target.lists_bounds) result.bounds.clear();
+    refit_group(
+        {mesh, locked, target, collapses,
+         has_attributes ? std::span<const float>(record.attribute_errors) : std::span<const float>(), record.torn},
+        state, result);
   return result;
 }
 

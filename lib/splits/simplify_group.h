@@ -24,9 +24,11 @@ struct GroupTarget {
   // Whether guaranteed_error is wanted. Without it, bounds and collapses, simplifying takes a third less time.
   bool keeps_bounds = true;
   bool lists_bounds = false;  // whether SimplifiedGroup::bounds are wanted
-  // Whether vertices that are left move to where they fit the input best (refit.h). Needs keeps_bounds, and no collapses.
+  // Whether vertices that are left move to where they fit the input best (refit.h). Needs keeps_bounds, and no
+  // collapses.
   bool refits = false;
-  float lattice_step = 0.0F;  // RefitRules::lattice_step
+  float lattice_step = 0.0F;             // RefitRules::lattice_step
+  std::span<const std::uint8_t> held{};  // per vertex, nonzero: does not move, but may be merged; empty: none
 };
 
 // Records that wedge v was merged into u. All wedges of a vertex are merged together, listed one after the other.

@@ -42,8 +42,8 @@ double rms_distance(const TriangleMesh& mesh, const Hlod& hlod, std::size_t leve
   for (NodeId n = nodes.first_node; n < nodes.first_node + nodes.node_count; ++n) {
     const NodeMesh node = hlod.mesh(n);
     for (std::size_t i = 0; i < node.indices.size(); i += 3)
-      faces.push_back({node.positions[node.indices[i]], node.positions[node.indices[i + 1]],
-                       node.positions[node.indices[i + 2]]});
+      faces.push_back(
+          {node.positions[node.indices[i]], node.positions[node.indices[i + 1]], node.positions[node.indices[i + 2]]});
   }
   double sum = 0.0;
   for (const glm::vec3& p : mesh.positions) {

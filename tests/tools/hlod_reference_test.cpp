@@ -122,7 +122,8 @@ TEST(InputNormals, AreThoseOfTheInputAtAllNodes) {
   for (hlod::NodeId n = 0; n < sphere.hlod.node_count(); ++n) {
     levels = std::max(levels, static_cast<std::size_t>(sphere.hlod.node(n).level) + 1);
     for (const glm::vec3& p : sphere.hlod.mesh(n).positions)
-      EXPECT_GT(glm::dot(normals.at(0, p), glm::normalize(glm::dvec3(p))), sphere.hlod.node(n).level == 0 ? 0.999 : 0.9);
+      EXPECT_GT(glm::dot(normals.at(0, p), glm::normalize(glm::dvec3(p))),
+                sphere.hlod.node(n).level == 0 ? 0.999 : 0.9);
   }
   EXPECT_GT(levels, 2U);
   EXPECT_EQ(normals.at(0, glm::vec3(7.0F)), glm::dvec3(0.0));

@@ -76,6 +76,7 @@ void for_each_array(Group& group, const Visit& visit) {
   visit(group.vertices);
   visit(group.wedges);
   visit(group.locked);
+  visit(group.shared);
 }
 
 // An array of trivially copyable values without padding, after their number.

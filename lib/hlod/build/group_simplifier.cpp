@@ -28,7 +28,8 @@ GroupTarget target_of(const GroupInput& group, const GroupRules& rules) {
           .keeps_bounds = rules.keeps_bounds != 0,
           .lists_bounds = rules.measures != 0,
           .refits = rules.refits != 0,
-          .lattice_step = rules.lattice_step};
+          .lattice_step = rules.lattice_step,
+          .held = group.shared};
 }
 
 Box box_of(std::span<const Box> boxes) {

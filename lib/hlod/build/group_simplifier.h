@@ -23,6 +23,7 @@ struct GroupInput {
   std::vector<VertexId> vertices;    // per vertex of `mesh`, its id in the input of the HLOD
   std::vector<WedgeId> wedges;       // per wedge of `mesh`, likewise
   std::vector<std::uint8_t> locked;  // per vertex of `mesh`, 1 if it must stay
+  std::vector<std::uint8_t> shared;  // likewise, with free borders: 1 if other groups have it too; else empty
   std::vector<Box> boxes;            // per vertex of `mesh`, around all that it stands for
 };
 
@@ -30,14 +31,14 @@ struct GroupInput {
 struct GroupRules {
   float max_cost = std::numeric_limits<float>::max();  // as in GroupTarget
   float scale = 1.0F;                                  // likewise
-  float least_share = 0.25F;      // simplification ends when this share of the group's triangles is left
-  WedgeId first_added = 0;        // id of the first wedge that a group adds
-  float lattice_step = 0.0F;      // as in GroupTarget
-  std::uint8_t names_wedges = 0;  // whether results name wedges of corners
-  std::uint8_t keeps_splits = 0;  // as Within::splits
-  std::uint8_t measures = 0;      // as ErrorBound::measured
-  std::uint8_t keeps_bounds = 1;  // as Reduction::keeps_bounds
-  std::uint8_t refits = 0;        // as Reduction::refits; needs names_wedges
+  float least_share = 0.25F;               // simplification ends when this share of the group's triangles is left
+  WedgeId first_added = 0;                 // id of the first wedge that a group adds
+  float lattice_step = 0.0F;               // as in GroupTarget
+  std::uint8_t names_wedges = 0;           // whether results name wedges of corners
+  std::uint8_t keeps_splits = 0;           // as Within::splits
+  std::uint8_t measures = 0;               // as ErrorBound::measured
+  std::uint8_t keeps_bounds = 1;           // as Reduction::keeps_bounds
+  std::uint8_t refits = 0;                 // as Reduction::refits; needs names_wedges
   std::array<std::uint8_t, 3> reserved{};  // always 0
 };
 static_assert(sizeof(GroupRules) == 28);  // no padding, whose bytes nobody has set

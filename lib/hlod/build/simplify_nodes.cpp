@@ -104,6 +104,7 @@ class NodeSimplifier::Gatherer {
     };
     copy(from.positions, input.wedges, input.mesh.positions);
     copy(all_.locked_, input.vertices, input.locked);
+    copy(all_.shared_, input.vertices, input.shared);
     copy(all_.boxes_, input.vertices, input.boxes);
     if (!all_.has_attributes_) return;
     copy(from.normals, input.wedges, input.mesh.normals);
@@ -176,7 +177,10 @@ LevelDraft NodeSimplifier::run(LevelDraft& below, TriangleGroups groups, const P
 void NodeSimplifier::simplify(const LevelDraft& below, std::uint32_t first_group, std::uint32_t group_count,
                               LevelBuilder& level, const ProgressPart& progress) {
   list_members(below, group_count);
-  if (options_.borders == Borders::locked) lock(below, group_count);
+  if (options_.borders == Borders::locked)
+    lock(below, group_count);
+  else if (refits())
+    shared_ = shared_vertices(below.triangles, below.parent_of, mesh_.vertex_count(), threads_);
   const GroupRules rules = rules_of(below, group_count);
   if (!options_.parts.folder.empty() && group_count > reduction_.sampled_groups)
     simplify_elsewhere(below, rules, first_group, group_count, level, progress);

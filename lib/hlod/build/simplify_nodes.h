@@ -55,17 +55,19 @@ class NodeSimplifier {
   unsigned threads_;
   BuildJournal* journal_;
   float scale_;
-  unsigned level_ = 0;  // that run() makes
+  unsigned level_ = 0;               // that run() makes
   bool has_seams_, has_attributes_;  // of the input
   WedgeId first_added_ = 0;          // wedges from here on are of the unfinished level
   // Vertices that the nodes of that level have lost, and boxes that have grown.
   LargeVector<VertexId> losses_;
   LargeVector<GrownBox> grown_;
-  // The next three arrays are indexed by vertex of the input mesh.
+  // The next arrays are indexed by vertex of the input mesh.
   UninitializedVector<Box>
       boxes_;  // around the level-0 vertices that were merged into it, and vanished triangles beside it
   // Is 1, with locked borders, if several nodes of the level share the vertex or `lost_` is 1.
   LargeVector<std::uint8_t> locked_;
+  // Is 1, with free borders, if several nodes of the level share the vertex: their copies must not part.
+  LargeVector<std::uint8_t> shared_;
   // Is 1 once a node that had locked the vertex no longer has it as a corner: it stays locked for ever.
   LargeVector<std::uint8_t> lost_;
   LargeVector<std::uint32_t> members_;       // triangles of the level below, group by group
