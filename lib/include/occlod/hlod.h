@@ -286,16 +286,16 @@ class Hlod {
 [[nodiscard]] std::optional<std::string> check_within(const HlodView& data, NodeId n);
 
 // Checks six invariants: (1) no error is smaller than a child's, and boxes and spheres contain what they say; (2) all
-// vertices of a node are where vertices of its children are or slide to; (3) the triangles of a node are those of its children that it
-// replaces, with its merges applied, where degenerate ones vanish and opposite ones cancel; (4) where borders are
-// locked, every vertex is merged in one node only, and the oriented boundary of `random_fronts` random legal fronts is
-// that of the input with the merges of all coarser nodes applied: no crack opens between nodes of different levels; (5)
-// of nodes with splits, all splits together give the triangles that the node was made from, and none of them its mesh,
-// triangle for triangle; their errors descend from that of the node; and (4) holds too for fronts on which nodes whose
-// parents are all refined are drawn with a random number of their splits; (6) every triangle of level 0 is in the boxes
-// of its node and of nodes through which that is reached from a root, so that no view of it can do without. Returns one
-// line per violation (at most 20), none when all hold. Throws Error when a mapped file is damaged. O(size + nodes *
-// random_fronts); with splits O(size * random_fronts).
+// vertices of a node are where vertices of its children are or slide to; (3) the triangles of a node are those of its
+// children that it replaces, with its merges applied, where degenerate ones vanish and opposite ones cancel; (4) where
+// borders are locked, every vertex is merged in one node only, and the oriented boundary of `random_fronts` random
+// legal fronts is that of the input with the merges of all coarser nodes applied: no crack opens between nodes of
+// different levels; (5) of nodes with splits, all splits together give the triangles that the node was made from, and
+// none of them its mesh, triangle for triangle; their errors descend from that of the node; and (4) holds too for
+// fronts on which nodes whose parents are all refined are drawn with a random number of their splits; (6) every
+// triangle of level 0 is in the boxes of its node and of nodes through which that is reached from a root, so that no
+// view of it can do without. Returns one line per violation (at most 20), none when all hold. Throws Error when a
+// mapped file is damaged. O(size + nodes * random_fronts); with splits O(size * random_fronts).
 [[nodiscard]] std::vector<std::string> validate(const Hlod& hlod, std::size_t random_fronts = 64);
 
 // Returns true iff the nodes of level 0 together are exactly the triangles of `mesh`, rounded to the HLOD's lattice and
