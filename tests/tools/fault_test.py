@@ -79,7 +79,7 @@ class ChangingFiles(Faults):
             for _ in range(ATTEMPTS):
                 path.write_bytes(whole)
                 end = self.change_while_mapped(lambda: os.truncate(path, 4096), *arguments)
-                if end[0] != 0:
+                if end[0] != 0 and "or has extra bytes" not in end[2]:  # which is said of files that were short when they were opened
                     break
             self.assert_failed(end, "planet.olod", "was cut short")
             self.assertEqual((self.folder / "target.obj").read_bytes(), OLD)
@@ -91,7 +91,7 @@ class ChangingFiles(Faults):
         for _ in range(ATTEMPTS):
             path.write_bytes(whole)
             end = self.change_while_mapped(lambda: os.truncate(path, 4096), "render", "planet.olod", "--budget", "100000", "--repeat", "50", "--threads", "8")
-            if end[0] != 0:
+            if end[0] != 0 and "or has extra bytes" not in end[2]:
                 self.assert_failed(end, "planet.olod", "was cut short")
 
     def test_hlod_cut_short_while_mapped(self):
@@ -103,7 +103,7 @@ class ChangingFiles(Faults):
             for _ in range(ATTEMPTS):
                 path.write_bytes(whole)
                 end = self.change_while_mapped(lambda: os.truncate(path, 4096), *arguments)
-                if end[0] != 0:
+                if end[0] != 0 and "or has extra bytes" not in end[2]:  # which is said of files that were short when they were opened
                     break
             self.assert_failed(end, "planet.ohlod", "was cut short")
 
