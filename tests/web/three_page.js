@@ -211,12 +211,18 @@ window.page = {
 
   textures: () => renderer.info.memory.textures,
 
-  hideOne() {
-    const drawn = ohlod.children.filter((mesh) => mesh.visible);
-    drawn.sort((a, b) => b.geometry.drawRange.count - a.geometry.drawRange.count)[0].visible = false;
-    render();
-    const seen = empty();
-    return { empty: count(seen.mask), holes: holes(seen) };
+  // Leaves out one node after another. Returns the largest counts.
+  hideEach() {
+    const most = { empty: 0, holes: 0 };
+    for (const mesh of ohlod.children.filter((mesh) => mesh.visible)) {
+      mesh.visible = false;
+      render();
+      const seen = empty();
+      most.empty = Math.max(most.empty, count(seen.mask));
+      most.holes = Math.max(most.holes, holes(seen));
+      mesh.visible = true;
+    }
+    return most;
   },
 
   stats: () => ohlod.stats,
