@@ -115,7 +115,7 @@ void refit_group(const GroupCollapses& group, SimplifyState& state, SimplifiedGr
     const Triangle& t = result.triangles[i];
     result.bounds[i] = scaled_up(result.bounds[i] + std::max({steps[t.x], steps[t.y], steps[t.z]}), 1.0F + 1e-6F);
   }
-  // What the group had is within this too, so faces' own bounds would not do.
+  // The bound holds for the way back too, from every point of the group, which no face's own bound tells of.
   result.guaranteed_error = scaled_up(result.guaranteed_error + farthest, 1.0F + 1e-6F);
   result.positions = std::move(moved);
 }

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -28,7 +27,7 @@ constexpr int side = 128;
 
 // A wavy sheet with an image that is a stripe of `blue`.
 Hlod sheet(std::uint8_t blue) {
-  TriangleMesh mesh;
+  TriangleMesh mesh = tiles::test::wavy_sheet(48, 1.0F);
   mesh.materials.resize(1);
   mesh.materials[0].texture = 0;
   std::vector<glm::u8vec4> pixels;
@@ -37,20 +36,6 @@ Hlod sheet(std::uint8_t blue) {
   mesh.textures.resize(1);
   mesh.textures[0].mime_type = "image/png";
   mesh.textures[0].bytes = encode_png(pixels, side);
-  constexpr int n = 48;
-  for (int y = 0; y <= n; ++y)
-    for (int x = 0; x <= n; ++x) {
-      const glm::vec2 at = glm::vec2(x, y) / static_cast<float>(n);
-      mesh.positions.emplace_back(at * 48.0F, std::sin(20.0F * at.x) * std::cos(15.0F * at.y));
-      mesh.texture_coordinates.push_back(at);
-    }
-  for (int y = 0; y < n; ++y)
-    for (int x = 0; x < n; ++x) {
-      const auto a = static_cast<VertexId>(y * (n + 1) + x);
-      const VertexId b = a + n + 1;
-      mesh.triangles.emplace_back(a, a + 1, b);
-      mesh.triangles.emplace_back(a + 1, b + 1, b);
-    }
   HlodBuildOptions options;
   options.node_triangles = 128;
   return build_hlod(mesh, options);

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 #include <string>
 #include <vector>
 
@@ -50,6 +53,17 @@ class Folder {
   const Folder folder;
   std::ofstream(folder / "tile.glb", std::ios::binary) << content.bytes;
   return read_content(folder / "tile.glb");
+}
+
+// A sheet of n x n cells of unit size, with hills of this height; its texture coordinates cover the unit square.
+[[nodiscard]] inline TriangleMesh wavy_sheet(int n, float height) {
+  TriangleMesh mesh = occlod::test::grid(n, n);
+  for (glm::vec3& p : mesh.positions) {
+    const glm::vec2 at(p);
+    mesh.texture_coordinates.push_back(at);
+    p = glm::vec3(at * static_cast<float>(n), height * std::sin(20.0F * at.x) * std::cos(15.0F * at.y));
+  }
+  return mesh;
 }
 
 [[nodiscard]] inline hlod::Hlod nested_hlod(const TriangleMesh& mesh, std::uint32_t node_triangles = 64,

@@ -224,7 +224,8 @@ class PieceCollector::Welder {
       sources_.push_back(source);
     }
     const auto gather = [&](auto& from, auto& to) {
-      if (!from.empty()) to.reserve(sources_.size() / 2 * 3);  // levels add a third and more: no copies of all then
+      // Coarser levels add a third as many wedges and more. With room for them the array is not copied when it grows.
+      if (!from.empty()) to.reserve(sources_.size() / 2 * 3);
       to.resize(from.empty() ? 0 : sources_.size());
       for_each_id(to.size(), threads_, [&](std::uint32_t i) { to[i] = from[sources_[i]]; });
       from = {};
