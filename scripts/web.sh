@@ -28,6 +28,7 @@ done
 scripts/build.sh web "${fetched[@]}"
 
 cp -r packaging/npm/occlod/{bin,calls.js,index.js,index.d.ts,hlod.js,hlod.d.ts,package.json,README.md} LICENSE "$package"
+rm -f "$package"/wasm/occlod.*  # of an earlier build, perhaps by other names
 cp build/web/command_line/occlod.js "$package/wasm"
 zstd -qq --force --ultra -22 --long=27 --single-thread --patch-from="$package/wasm/library.wasm" build/web/command_line/occlod.wasm \
   -o "$package/wasm/occlod.wasm.patch"
